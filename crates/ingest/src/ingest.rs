@@ -2,7 +2,7 @@
 
 use crumple_artifact::records::{DamageV1, VehicleV1};
 use crumple_metrics::{Exchange, Plausibility, plausibility};
-use crumple_signal::{About, Channel, Notes, Source, TestDescription, Weight, part_of};
+use crumple_signal::{About, Channel, Notes, Source, TestDescription, TestKind, Weight, part_of};
 
 use crate::checks::exchanges::Answer;
 use crate::checks::{channel_quality, exchanges};
@@ -13,7 +13,7 @@ use crate::pulse::Polarity;
 use crate::recording::content::{ReadChannel, Recording, Wave};
 use crate::recording::details::{self, Details, Stated};
 use crate::recording::{content, settings};
-use crate::{IngestError, IngestSettings, Result, Sign, contact, impact, pulse, refuse};
+use crate::{IngestError, IngestSettings, Result, Sign, contact, impact, kind, pulse, refuse};
 
 /// Result of the stage.
 #[derive(Debug, Clone)]
@@ -147,24 +147,28 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
     }
     let is_turned = turn_sign(file, &mut recording, pulse, choices.sign.unwrap_or_default(), &mut notes)?;
     impact::take(file, &mut recording, pulse, choices.impact, &mut contact, &mut notes)?;
-    let code = pulse.and_then(|k| recording.channels[k].channel.code.as_deref());
-    let polarity = Polarity::of(is_of_occupant, is_turned, code);
+    let code = pulse.and_then(|k| recording.channels[k].channel.code.clone());
     let pulse_id = pulse.map(|k| recording.channels[k].channel.id.clone());
     let same_place: Vec<String> =
         recording.channels.iter().filter(|f| f.fitness.is_some()).map(|f| f.channel.id.clone()).collect();
     let waves = take_waves(&mut recording);
     let speed = recording.details.impact_speed_m_per_s.as_ref().map(|s| s.value);
     let wave_of_pulse = waves.iter().find(|wave| Some(&wave.id) == pulse_id.as_ref());
+    let of_body = wave_of_pulse.filter(|_| !is_of_occupant);
+    let kind = kind::settle(&recording.details, code.as_deref(), of_body.zip(Some(speed)), &mut notes);
+    let certain = kind::certain(kind.as_ref());
+    let polarity = Polarity::of(is_of_occupant, is_turned, certain, code.as_deref());
     let from_rest = matches!(polarity, Polarity::AsRead | Polarity::OfSled)
         && wave_of_pulse.is_some_and(|w| pulse::pushes_forward(&w.samples, w.quality.zero_level()));
-    let held = wave_of_pulse.filter(|_| !is_of_occupant && details::is_alone(&recording.details));
+    let held = of_body.filter(|_| polarity != Polarity::OfSled && details::is_alone(&recording.details));
     let plausibility = held
         .zip(speed)
         .and_then(|(wave, speed)| plausibility(&wave.samples, wave.quality.zero_level().unwrap_or(0.0), speed));
     let polarity = polarity.unless_asked(plausibility.as_ref());
     // Of inputs and outputs nobody asks for a mass.
     if pulse.is_some() || recording.details.no_pulse || is_of_a_crash(&recording.details, &choices) {
-        missing_details(&recording.details, reader.has_comments, is_of_occupant, from_rest, &mut notes);
+        let no_vehicle = certain.filter(|kind| *kind != TestKind::Vehicle);
+        missing_details(&recording.details, reader.has_comments, (is_of_occupant, no_vehicle), from_rest, &mut notes);
     }
     channel_quality::check(&waves, pulse_id.as_deref(), speed, polarity, &mut notes);
     let pulse_id = pulse_id.or(velocity.map(|k| recording.channels[k].channel.id.clone()));
@@ -196,6 +200,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
         notes: details.facts,
         contact,
         exchange_asked: false,
+        kind,
     };
     let closing_speed_m_per_s = details.closing_speed_m_per_s;
     Ok(Ingested { test, waves, damage, vehicles, closing_speed_m_per_s, plausibility, notes })
@@ -223,11 +228,22 @@ fn is_of_a_crash(details: &Details, choices: &IngestSettings) -> bool {
 }
 
 /// Notes which of mass and impact speed is missing. The criteria of an occupant need neither, nor does a record
-/// without a pulse.
-fn missing_details(details: &Details, has_comments: bool, is_of_occupant: bool, from_rest: bool, notes: &mut Notes) {
+/// without a pulse, nor what is no vehicle and has no model of a structure.
+fn missing_details(
+    details: &Details,
+    has_comments: bool,
+    (is_of_occupant, no_vehicle): (bool, Option<TestKind>),
+    from_rest: bool,
+    notes: &mut Notes,
+) {
+    let is_missing = details.mass_kg.is_none() || details.impact_speed_m_per_s.is_none();
     if is_of_occupant {
-        if details.mass_kg.is_none() || details.impact_speed_m_per_s.is_none() {
+        if is_missing {
             notes.info("mass and impact speed are not both stated: the criteria of an occupant need neither");
+        }
+    } else if let Some(kind) = no_vehicle {
+        if is_missing {
+            notes.info(format!("mass and impact speed are not both stated: a {} needs neither", kind.name()));
         }
     } else {
         details::note_missing(details, has_comments, from_rest, notes);

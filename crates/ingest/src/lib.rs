@@ -27,6 +27,7 @@ mod files {
 mod formats;
 mod impact;
 mod ingest;
+mod kind;
 mod listing;
 mod pulse;
 mod recording {

@@ -8,7 +8,8 @@
 use crumple_metrics::{Exchange, Plausibility};
 use crumple_signal::iso13499::IsoCode;
 use crumple_signal::{
-    About, Axis, Channel, ChannelStatus, Notes, QuantityKind, Sampled, SignalError, Weight, part_of, pre_event,
+    About, Axis, Channel, ChannelStatus, Notes, QuantityKind, Sampled, SignalError, TestKind, Weight, part_of,
+    pre_event,
 };
 
 use crate::recording::content::{self, Fitness, MINIMUM_SAMPLES, PulseRule, ReadChannel, Recording};
@@ -365,7 +366,7 @@ pub fn pushes_forward(pulse: &Sampled, zero_level: Option<f64>) -> bool {
 pub enum Polarity {
     /// It is as in the file.
     AsRead,
-    /// It is as in the file, of a sled by its code: it is pushed by right.
+    /// It is as in the file, of a sled: it is pushed by right.
     OfSled,
     /// It is as in the file, of the structure of a vehicle by its code: a frontal test, unless its speed is 0.
     OfVehicle,
@@ -378,15 +379,15 @@ pub enum Polarity {
 }
 
 impl Polarity {
-    /// That of a pulse that was turned or not, of an occupant or not; of its ISO 13499 code the test object, S for a
-    /// sled, 1 to 9 for a vehicle.
-    pub fn of(is_of_occupant: bool, is_turned: bool, code: Option<&str>) -> Self {
-        match (is_of_occupant, is_turned, code.and_then(|code| code.chars().next())) {
+    /// That of a pulse that was turned or not, of an occupant or not, of this kind of test; of its ISO 13499 code the
+    /// test object, 1 to 9 for a vehicle.
+    pub fn of(is_of_occupant: bool, is_turned: bool, kind: Option<TestKind>, code: Option<&str>) -> Self {
+        match (is_of_occupant, is_turned, kind, code.and_then(|code| code.chars().next())) {
             (true, ..) => Self::OfOccupant,
-            (false, true, _) => Self::Turned,
-            (false, false, Some('S')) => Self::OfSled,
-            (false, false, Some('1'..='9')) => Self::OfVehicle,
-            (false, false, _) => Self::AsRead,
+            (false, true, ..) => Self::Turned,
+            (false, false, Some(TestKind::Sled | TestKind::Catapult), _) => Self::OfSled,
+            (false, false, _, Some('1'..='9')) => Self::OfVehicle,
+            (false, false, ..) => Self::AsRead,
         }
     }
 

@@ -85,6 +85,12 @@ const BESIDE_S: f64 = 0.005;
 const AFTER_REBOUND_S: f64 = 0.040;
 
 impl Uncertainty {
+    /// Whether anything is uncertain.
+    pub fn is_any(&self) -> bool {
+        let inputs = [self.impact_speed_m_per_s, self.zero_level_m_per_s2, self.gain, self.contact_s];
+        inputs.into_iter().any(|input| input.is_some())
+    }
+
     /// How far the impact speed may be off, m/s: the half width of a uniform error, two standard deviations of a normal
     /// one (95 %).
     pub fn largest_speed_error_m_per_s(&self) -> f64 {

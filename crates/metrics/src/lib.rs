@@ -7,6 +7,7 @@
 //!
 //! - the pulse: [`crash_events`], [`impacts`](fn@impacts), [`pulse_metrics`], [`sliding_mean`], [`olc`], [`vpi`]; of a
 //!   recorder [`maximum_delta_v`], [`impacts_of_table`], [`RecordedImpact`]
+//! - its shape: [`simple_pulses`], [`best_simple_pulse`]; the sled pulses of standards: [`check_sled_pulse`]
 //! - the occupant: [`hic`], [`clip_contiguous`], [`clip_cumulative`], [`ride_down`]
 //! - roadside hardware: [`asi`], [`thiv_phd`], [`oiv_ora`]
 //! - reconstruction: [`CrushStiffness`], [`energy_equivalent_speed`]
@@ -47,6 +48,8 @@ mod pulse;
 mod recorder;
 mod restrained_occupant;
 mod roadside;
+mod simple_pulse;
+mod sled_pulse;
 mod sums;
 mod two_vehicles;
 mod warping;
@@ -78,10 +81,12 @@ pub use occupant::{CLIP_3MS_S, RideDown, clip_contiguous, clip_cumulative, resul
 pub use plausibility::{EXCHANGES, Exchange, Impact, Plausibility, largest_restitution, number_typed, plausibility};
 pub use pulse::{
     Peak, Pulse, average_square_wave, centroid_time_by_moment, centroid_time_from_crush, equivalent_square_wave,
-    mean_deceleration, peak, pulse_metrics,
+    mean_deceleration, peak, pulse_metrics, rise_time,
 };
 pub use recorder::{RecordedImpact, impacts_of_table, maximum_delta_v};
 pub use restrained_occupant::{OlcOptions, VpiOptions, olc, vpi};
 pub use roadside::{AsiLimits, AsiMethod, FlailSpace, asi, oiv_ora, thiv_phd};
+pub use simple_pulse::{SimplePulse, Wave, best_simple_pulse, simple_pulses};
+pub use sled_pulse::{Demand, Excursion, LeastPeak, Measured, SLED_PULSES, SledCheck, SledPulse, check_sled_pulse};
 pub use sums::sliding_mean;
 pub use two_vehicles::{MutualCrush, TwoVehicleImpact, collision, common_velocity};

@@ -12,7 +12,7 @@ use crate::energy::{absorbed_energy, kinetic_energy, loading_work_per_kg};
 use crate::metric::definitions::{
     ABSORBED_ENERGY, ASW, AVERAGE_STIFFNESS, CENTROID, CENTROID_MOMENT, CENTROID_RATIO, CLOSURE, DELTA_V,
     DYNAMIC_CRUSH, EES, ESW, IMPACT_ENERGY, LOSS_RATIO, PEAK, REBOUND_DISPLACEMENT, RESTITUTION, RETURNED_ENERGY,
-    SEPARATION, TIME_OF_CRUSH, TIME_OF_PEAK, X_MEAN,
+    RISE_TIME, SEPARATION, TIME_OF_CRUSH, TIME_OF_PEAK, X_MEAN,
 };
 use crate::metric::value::same_grid;
 use crate::restrained_occupant::{olc, vpi};
@@ -175,6 +175,27 @@ fn largest_change(pulse: &Pulse<'_>) -> Option<(f64, f64)> {
     Some((v[largest], pulse.velocity.time_s(largest)))
 }
 
+/// Rise time of a pulse, s: from the last sample below 10 % of its peak before it to the first at 90 %, both
+/// interpolated linearly. The window begins with the onset.
+///
+/// `to_s`: end of the pulse. A pulse that is above 10 % at contact, or an empty one, has none.
+pub fn rise_time(acceleration: &Signal<Acceleration>, to_s: f64) -> Metric {
+    let none = || Metric::absent(&RISE_TIME, "the pulse does not rise from 10 % to 90 % of its peak after contact");
+    let (from, to) = (acceleration.index_at_or_after(0.0), acceleration.index_at_or_after(to_s) + 1);
+    let a = acceleration.samples().get(from..to.min(acceleration.len())).unwrap_or_default();
+    let largest = index_of_largest(a);
+    let Some(peak) = a.get(largest).copied().filter(|peak| *peak != 0.0) else { return none() };
+    let share = |k: usize| a[k] / peak;
+    let crossing = |k: usize, level: f64| {
+        let before = share(k - 1);
+        acceleration.time_s(from + k - 1) + acceleration.dt_s() * (level - before) / (share(k) - before)
+    };
+    let Some(below) = (0..largest).rfind(|k| share(*k) < 0.1) else { return none() };
+    let Some(high) = (below + 1..=largest).find(|k| share(*k) >= 0.9) else { return none() };
+    let (onset_s, high_s) = (crossing(below + 1, 0.1), crossing(high, 0.9));
+    Metric::with_value(&RISE_TIME, high_s - onset_s).over(onset_s, high_s)
+}
+
 /// The sample of largest magnitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Peak {
@@ -285,6 +306,18 @@ mod tests {
 
     fn find<'a>(metrics: &'a [Metric], name: &str) -> &'a Metric {
         metrics.iter().find(|m| m.name == name).unwrap()
+    }
+
+    #[test]
+    fn the_rise_of_a_triangle_is_four_fifths_of_the_way_to_its_peak() {
+        let at = |k: i32| -2.0 * (f64::from(k.min(80 - k)).max(0.0));
+        let pulse = Signal::new(-0.01, 1e-3, (-10..100).map(at).collect()).unwrap();
+        let rise = rise_time(&pulse, 0.08);
+        let window = rise.window.unwrap();
+        // 40 ms up: from 4 to 36 ms, all of it straight.
+        assert!((rise.value.unwrap() - 0.032).abs() < 1e-12 && (window.from_s - 0.004).abs() < 1e-12, "{rise:?}");
+        assert_eq!(rise_time(&pulse, -1.0).value, None);
+        assert_eq!(rise_time(&Signal::new(0.0, 1e-3, vec![3.0; 9]).unwrap(), 1.0).value, None);
     }
 
     #[test]

@@ -46,8 +46,10 @@ pub fn common_velocity(masses_kg: [f64; 2], velocities_m_per_s: [f64; 2]) -> f64
 ///
 /// The forces on both are opposite, so the second vehicle heads towards the first if both lose speed, and the same way
 /// if one gains what the other loses. The relative velocity `v1 - s·v2` (s = 1 for the same heading, -1 else) is zero
-/// at the common velocity, interpolated linearly; its integral up to there by the trapezoid is the mutual crush. `None`
-/// where the grids differ, a vehicle does not change its velocity, or they do not approach at contact, t = 0.
+/// at the common velocity, interpolated linearly; its integral up to there by the trapezoid is the mutual crush. Where
+/// both head the same way and the second is faster, it runs into the first: the sign of the relative velocity is then
+/// the other one. `None` where the grids differ, a vehicle does not change its velocity, or they do not approach at
+/// contact, t = 0.
 pub fn collision(first: &Signal<Velocity>, second: &Signal<Velocity>) -> Option<TwoVehicleImpact> {
     let dt = first.dt_s();
     let shift = (second.t0_s() - first.t0_s()) / dt;
@@ -68,7 +70,9 @@ pub fn collision(first: &Signal<Velocity>, second: &Signal<Velocity>) -> Option<
     }
     let same_heading = changes[0].signum() != changes[1].signum();
     let sign = if same_heading { 1.0 } else { -1.0 };
-    let relative = |k: usize| v[0][k] - sign * v[1][k];
+    let is_run_into = same_heading && v[0][0] < v[1][0];
+    let side = if is_run_into { -1.0 } else { 1.0 };
+    let relative = |k: usize| side * (v[0][k] - sign * v[1][k]);
     let closing_speed_m_per_s = relative(0);
     if closing_speed_m_per_s <= 0.0 {
         return None;

@@ -128,6 +128,44 @@ pub struct Contact {
     pub earlier_by_s: f64,
 }
 
+/// What was tested.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum TestKind {
+    /// A vehicle, whose structure stops it or is hit.
+    Vehicle,
+    /// A sled: its brake or its drive makes the pulse.
+    Sled,
+    /// A sled that is pushed from rest and rolls on.
+    Catapult,
+    /// A part; it has a structure of its own where its mass is stated.
+    Component,
+}
+
+impl TestKind {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Vehicle, Self::Sled, Self::Catapult, Self::Component];
+
+    /// The name in options and records.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Vehicle => "vehicle",
+            Self::Sled => "sled",
+            Self::Catapult => "catapult",
+            Self::Component => "component",
+        }
+    }
+}
+
+/// What was tested, and what says so.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct KindOfTest {
+    /// What was tested.
+    pub kind: TestKind,
+    /// What settled it, in words: `stated by flag`, `the code of the pulse`, `proposed by the pulse`.
+    pub rule: String,
+}
+
 /// A crash test: title, vehicle, masses and speeds where known, and its channels.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TestDescription {
@@ -153,6 +191,8 @@ pub struct TestDescription {
     pub contact: Option<Contact>,
     /// Whether its reader asked for an exchange of unit, speed, time or sign that makes pulse and impact speed fit.
     pub exchange_asked: bool,
+    /// What was tested; `None`: nothing says that it is anything but a vehicle.
+    pub kind: Option<KindOfTest>,
 }
 
 /// Why no channel can be taken as the pulse.
@@ -173,6 +213,16 @@ pub enum PulseError {
 }
 
 impl TestDescription {
+    /// Whether a structure makes the pulse, of which there can be a model: not the brake or the drive of a sled. A
+    /// component has one where its mass is known.
+    pub fn has_structure(&self) -> bool {
+        match self.kind.as_ref().map(|kind| kind.kind) {
+            None | Some(TestKind::Vehicle) => true,
+            Some(TestKind::Sled | TestKind::Catapult) => false,
+            Some(TestKind::Component) => self.mass_kg.is_some(),
+        }
+    }
+
     /// The channel with this id.
     pub fn channel(&self, id: &str) -> Option<&Channel> {
         self.channels.iter().find(|c| c.id == id)

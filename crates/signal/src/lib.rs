@@ -67,14 +67,15 @@ pub use butterworth::{Butterworth, Design, Phase, run_sections};
 pub use cfc::{Cfc, CfcMode, Class, Coefficients, CorridorPoint, corridor};
 pub use channels::{Axis, Channel, ChannelStatus};
 pub use description::{
-    ANOTHER_VEHICLE, BodyPart, Contact, PulseError, Source, TestDescription, is_pattern, part_of, resolve_channels,
+    ANOTHER_VEHICLE, BodyPart, Contact, KindOfTest, PulseError, Source, TestDescription, TestKind, is_pattern, part_of,
+    resolve_channels,
 };
 pub use error::{FilterError, IntegrateError};
 pub use filter::{Applied, FilterSettings, Filtered, ZeroLevel, filter, filter_reporting};
 pub use measurement::{ABREAST, BeforeEvent, Measurement};
 pub use motion::{
-    Drift, DriftShape, EndCondition, IntegrationSettings, IntegrationStart, LateRecord, Motion, UsedStart, integrate,
-    integrate_from, integrate_reporting, integrate_without_drift, without_drift,
+    Drift, DriftShape, EndCondition, IntegrationSettings, IntegrationStart, KnownEnd, LateRecord, Motion, UsedStart,
+    integrate, integrate_from, integrate_reporting, integrate_without_drift, without_drift,
 };
 pub use moving_start::{Moving, MovingStart, is_gravity, moves_before_contact, moving_start};
 pub use notes::{About, ConcernContext, Note, Notes, Severity, UnknownAbout, Weight};

@@ -253,11 +253,23 @@ pub enum DriftShape {
     Linear,
 }
 
-/// A velocity known from elsewhere.
+/// What is known of a motion from elsewhere.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub enum KnownEnd {
+    /// Its velocity, m/s.
+    #[serde(rename = "velocity_m_per_s")]
+    Velocity(f64),
+    /// Its displacement from contact on, m.
+    #[serde(rename = "displacement_m")]
+    Displacement(f64),
+}
+
+/// A velocity or a displacement known from elsewhere.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct EndCondition {
-    /// The velocity, m/s.
-    pub velocity_m_per_s: f64,
+    /// What is known.
+    #[serde(flatten)]
+    pub known: KnownEnd,
     /// When, on the record's time axis, s; `None`: at the last sample.
     pub time_s: Option<f64>,
     /// What is taken to be wrong.
@@ -269,8 +281,9 @@ pub struct EndCondition {
 pub struct Drift {
     /// Subtracted from the acceleration, m/s²; for [`DriftShape::Linear`] its value at the time of the condition.
     pub acceleration_m_per_s2: f64,
-    /// Velocity there without the correction less the stated one, m/s: what the drift has gathered up to then.
-    pub velocity_gap_m_per_s: f64,
+    /// What the drift has gathered up to then: the velocity (m/s) or displacement (m) there without the correction less
+    /// the one known.
+    pub gap: f64,
     /// Time of the condition, that of a sample, s on the record's time axis.
     pub time_s: f64,
     /// What was taken to be wrong.
@@ -287,7 +300,7 @@ impl DriftShape {
     }
 }
 
-/// Integrates an acceleration less the drift that brings its velocity to the one stated.
+/// Integrates an acceleration less the drift that brings its velocity, or displacement, to the one known.
 ///
 /// The drift is `c` (bias) or `c·(t - t_start)/(t_end - t_start)` (linear) from the start of the integration on, with
 /// the one `c` for which the velocity at the end condition is met with the rule in use. It hides every other error too:
@@ -298,10 +311,12 @@ impl DriftShape {
 /// gathers up to the condition by the same rule from the same start: about the time τ between the two for a bias, τ/2
 /// for a linear drift. One solution, no iteration; the velocity is met to rounding (1e-10 m/s over 2500 samples). The
 /// condition is moved to the sample at or after its time. A time t after the start of the integration the correction
-/// has changed the path by `-c·t²/2` (bias) or `-c·t³/(6·τ)` (linear).
+/// has changed the path by `-c·t²/2` (bias) or `-c·t³/(6·τ)` (linear). A known displacement is met in the same way,
+/// with the displacement that a drift of 1 m/s² gathers.
 ///
 /// # Errors
-/// Those of [`integrate`], and where the condition is not after the first sample of the motion and up to its last.
+/// Those of [`integrate`], and where the condition is not after the first sample of the motion and up to its last; that
+/// of a displacement, which is 0 at contact, not after contact.
 pub fn integrate_without_drift(
     acceleration: &Signal<Acceleration>,
     settings: &IntegrationSettings,
@@ -329,11 +344,19 @@ pub fn without_drift(
     let last = first.velocity.len() - 1;
     let asked_s = end.time_s.unwrap_or_else(|| first.velocity.end_s());
     let index = first.velocity.index_at_or_after(asked_s);
-    if !asked_s.is_finite() || index == 0 || index > last {
+    let is_of_contact = matches!(end.known, KnownEnd::Displacement(_)) && asked_s <= 0.0;
+    if !asked_s.is_finite() || index == 0 || index > last || is_of_contact {
         return Err(IntegrateError::EndCondition { time_s: asked_s, first_s: start_s, last_s: first.velocity.end_s() });
     }
     let time_s = first.velocity.time_s(index);
-    let velocity_gap_m_per_s = first.velocity.samples()[index] - end.velocity_m_per_s;
+    // What is known there, and what it is without any acceleration.
+    let (known, without, of): (f64, f64, fn(&Motion, usize) -> f64) = match end.known {
+        KnownEnd::Velocity(v) => (v, settings.impact_speed_m_per_s, |motion, k| motion.velocity.samples()[k]),
+        KnownEnd::Displacement(x) => {
+            (x, settings.impact_speed_m_per_s * time_s, |motion, k| motion.displacement.samples()[k])
+        }
+    };
+    let gap = of(&first, index) - known;
     drop(first);
 
     let unit = |t_s: f64| match end.shape {
@@ -341,12 +364,11 @@ pub fn without_drift(
         DriftShape::Linear => ((t_s - start_s) / (time_s - start_s)).max(0.0),
     };
     let shape = acceleration.with_samples(acceleration.times_s().map(unit).collect())?;
-    // What a drift of one m/s² does to the velocity there, by the same rule from the same start.
-    let effect_s = integrate(&shape)?.velocity.samples()[index] - settings.impact_speed_m_per_s;
-    let c = velocity_gap_m_per_s / effect_s;
+    // What a drift of one m/s² does there, by the same rule from the same start.
+    let c = gap / (of(&integrate(&shape)?, index) - without);
     let corrected = acceleration.samples().iter().zip(shape.samples()).map(|(a, s)| a - c * s).collect();
     let motion = integrate(&acceleration.with_samples(corrected)?)?;
-    Ok((motion, Drift { acceleration_m_per_s2: c, velocity_gap_m_per_s, time_s, shape: end.shape }))
+    Ok((motion, Drift { acceleration_m_per_s2: c, gap, time_s, shape: end.shape }))
 }
 
 #[cfg(test)]
@@ -455,7 +477,7 @@ mod tests {
                 let settings = IntegrationSettings { rule, start, impact_speed_m_per_s: 10.0, low_pass_filtered: true };
                 let clean = integrate(&drifting(0.0, shape), &settings).unwrap();
                 let stated = *clean.velocity.samples().last().unwrap();
-                let end = EndCondition { velocity_m_per_s: stated, time_s: None, shape };
+                let end = EndCondition { known: KnownEnd::Velocity(stated), time_s: None, shape };
                 let (motion, drift) = integrate_without_drift(&drifting(0.7, shape), &settings, end).unwrap();
                 // Linear in c: rounding of 2500 sums only.
                 assert!((drift.acceleration_m_per_s2 - 0.7).abs() < 1e-9, "{rule:?} {start:?} {drift:?}");
@@ -463,6 +485,11 @@ mod tests {
                 for (x, y) in motion.displacement.samples().iter().zip(clean.displacement.samples()) {
                     assert!((x - y).abs() < 1e-10);
                 }
+                let way = *clean.displacement.samples().last().unwrap();
+                let end = EndCondition { known: KnownEnd::Displacement(way), ..end };
+                let (motion, drift) = integrate_without_drift(&drifting(0.7, shape), &settings, end).unwrap();
+                assert!((drift.acceleration_m_per_s2 - 0.7).abs() < 1e-9, "{rule:?} {start:?} {drift:?}");
+                assert!((motion.displacement.samples().last().unwrap() - way).abs() < 1e-10);
             }
         }
     }
@@ -476,7 +503,7 @@ mod tests {
             low_pass_filtered: false,
         };
         for time_s in [-0.01, 0.0, 0.3, f64::NAN] {
-            let end = EndCondition { velocity_m_per_s: 0.0, time_s: Some(time_s), shape: DriftShape::Bias };
+            let end = EndCondition { known: KnownEnd::Velocity(0.0), time_s: Some(time_s), shape: DriftShape::Bias };
             let result = integrate_without_drift(&drifting(0.0, DriftShape::Bias), &settings, end);
             assert!(matches!(result, Err(IntegrateError::EndCondition { .. })), "{time_s}: {result:?}");
         }

@@ -202,7 +202,7 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
             Some(reason) => {
                 out = Output::new();
                 of_earlier_stages.extend(diagnosed.concerns().cloned());
-                if let Some(test) = &diagnosed.test {
+                if let Some(test) = diagnosed.test.as_deref() {
                     out.put("/test", test)?;
                 }
                 Outcome::NoAcceptableResult(reason)

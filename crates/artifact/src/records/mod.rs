@@ -39,4 +39,4 @@ pub use predicted::{
     PredictionV1,
 };
 pub use run::{ConcernV1, ConcernsV1, ConcernsV2, DiagnosisV1, NotesV1, SeverityV1};
-pub use test::{ChannelV1, ContactV1, SourceV1, TestV1};
+pub use test::{ChannelV1, ContactV1, KindV1, SourceV1, TestV1};

@@ -1,6 +1,8 @@
 //! Record of the test: its source, its channels, its contact.
 
-use crumple_signal::{Axis, Channel, Contact, Distribution, QuantityKind, Source, Spread, TestDescription};
+use crumple_signal::{
+    Axis, Channel, Contact, Distribution, KindOfTest, QuantityKind, Source, Spread, TestDescription, TestKind,
+};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -37,6 +39,19 @@ pub struct TestV1 {
     /// First contact, t = 0; `null`: nothing says that it is there.
     #[serde(default)]
     pub contact: Option<ContactV1>,
+    /// What was tested; `null`: nothing says that it is anything but a vehicle.
+    #[serde(default)]
+    pub kind: Option<KindV1>,
+}
+
+/// What was tested, and what says so.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct KindV1 {
+    /// `vehicle`, `sled`, `catapult` or `component`. A sled, a catapult and a component without mass have no structure:
+    /// there is no model of them.
+    pub name: String,
+    /// What settled it, in words: `stated by flag`, `the code of the pulse`, `proposed by the pulse`.
+    pub rule: String,
 }
 
 /// First contact: every time after ingest is in seconds from it.
@@ -126,6 +141,7 @@ impl From<&TestDescription> for TestV1 {
             time_zero: test.contact.as_ref().map(|contact| contact.rule.clone()),
             contact: test.contact.as_ref().map(ContactV1::from),
             exchange_asked: test.exchange_asked,
+            kind: test.kind.as_ref().map(|of| KindV1 { name: of.kind.name().to_owned(), rule: of.rule.clone() }),
         }
     }
 }
@@ -176,7 +192,18 @@ impl TryFrom<TestV1> for TestDescription {
             notes: test.notes,
             contact,
             exchange_asked: test.exchange_asked,
+            kind: test.kind.map(KindOfTest::try_from).transpose()?,
         })
+    }
+}
+
+impl TryFrom<KindV1> for KindOfTest {
+    type Error = ConversionError;
+
+    fn try_from(kind: KindV1) -> Result<Self, ConversionError> {
+        let unknown = || ConversionError(format!("{:?} is no kind of test", kind.name));
+        let of = TestKind::ALL.into_iter().find(|of| of.name() == kind.name).ok_or_else(unknown)?;
+        Ok(Self { kind: of, rule: kind.rule })
     }
 }
 

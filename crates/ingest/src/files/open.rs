@@ -412,8 +412,8 @@ mod tests {
         let texts = texts.map(|key| format!("{key} = \"x\"\n")).collect::<String>();
         let units = "mass = '873 kg'\nimpact_speed = '36 km/h'\ntime_zero = '1 s'\n\
             sample_time = '1 s'\nresample = '9 Hz'\ntime_zero_uncertainty = '1 ms'\ntime_zero_rule = 'edr'";
-        let words =
-            "sign = 'flip'\nprofile = 'edr'\nplace = 'head'\nimpact = 1\nvehicle_number = 1\nallow_missing = true";
+        let words = "sign = 'flip'\nkind = 'sled'\nprofile = 'edr'\nplace = 'head'\nimpact = 1\nvehicle_number = 1\n\
+            allow_missing = true";
         let text = format!("{units}\n{words}\n{texts}");
         assert!(IngestSettings::KEYS.iter().all(|key| text.lines().any(|line| line.starts_with(&format!("{key} =")))));
         let settings = parse("a.toml", text.as_bytes()).unwrap();

@@ -3,7 +3,7 @@
 use crumple_artifact::records::{DamageV1, VehicleV1};
 use crumple_signal::unit::{Dimension, parse_value};
 use crumple_signal::value::{Mass, Speed, Time};
-use crumple_signal::{ANOTHER_VEHICLE, About, Notes, QuantityKind, Weight};
+use crumple_signal::{ANOTHER_VEHICLE, About, Notes, QuantityKind, TestKind, Weight};
 
 use crate::recording::stated_contact::TimeZero;
 use crate::{IngestError, IngestSettings, Place, Result, refuse};
@@ -30,6 +30,8 @@ pub struct Details {
     pub mass_kg: Option<Stated<f64>>,
     /// Speed just before contact, m/s, positive.
     pub impact_speed_m_per_s: Option<Stated<f64>>,
+    /// What was tested.
+    pub kind: Option<Stated<TestKind>>,
     /// Time of first contact on the file's axis, s.
     pub time_zero_s: Option<Stated<f64>>,
     /// What was measured on the vehicle afterwards.
@@ -185,6 +187,7 @@ pub fn apply(details: &mut Details, settings: &IngestSettings, from: &str, notes
     layer.put(&mut details.title, settings.title.clone(), "title", text);
     layer.put(&mut details.vehicle, settings.vehicle.clone(), "vehicle", text);
     layer.put(&mut details.barrier, settings.barrier.clone(), "barrier", text);
+    layer.put(&mut details.kind, settings.kind, "kind", |kind| kind.name().to_owned());
     layer.put(&mut details.mass_kg, settings.mass.map(Mass::si), "mass", |kg| format!("{kg} kg"));
     layer.put(&mut details.impact_speed_m_per_s, speed, "impact speed", km_per_h);
     layer.put(&mut details.time_zero_s, zero, "time zero", |t| format!("{t} s"));

@@ -1,7 +1,7 @@
 //! What a person may state about a record: the same names as flags, pipeline keys and sidecar keys.
 
 use crumple_signal::value::{Frequency, Mass, Speed, Time};
-use crumple_signal::{Channel, Notes, Uncertain, resolve_channels};
+use crumple_signal::{Channel, Notes, TestKind, Uncertain, resolve_channels};
 use serde::{Deserialize, Serialize};
 
 use crate::recording::content::ReadChannel;
@@ -61,6 +61,11 @@ pub struct IngestSettings {
     /// Speed just before contact, with its unit: 35km/h, 13.4m/s, 30mph.
     #[arg(long, value_name = "SPEED")]
     pub impact_speed: Option<Speed>,
+    /// What was tested: vehicle, sled, catapult (a sled that is pushed from rest and rolls on) or component. A sled, a
+    /// catapult and a component without mass have no structure, so no model is made. Default: as code and pulse propose
+    /// it, else vehicle.
+    #[arg(long, value_enum, value_name = "KIND", hide_possible_values = true)]
+    pub kind: Option<TestKind>,
     /// Channel to take as the crash pulse: a column name or number of a table, a curve number of an NHTSA test, a
     /// channel code, or a pattern that means one channel: '1?VEHC*X?', 'FLLR*'. With --list: the channels to print.
     /// Default: the only acceleration column; for an NHTSA test the rear-seat crossmember or the next best place along
@@ -164,7 +169,8 @@ macro_rules! layers {
 
 impl IngestSettings {
     layers! {
-        mass impact_speed channel unit time_unit time_zero time_zero_rule time_zero_uncertainty impact sign sample_time
+        mass impact_speed kind channel unit time_unit
+        time_zero time_zero_rule time_zero_uncertainty impact sign sample_time
         profile skip_to sheet place field resample
         vehicle_number vehicle title barrier allow_missing
     }

@@ -2,14 +2,14 @@
 
 use crumple_metrics::{ChannelMotion, LARGEST_CRUSH_GAP, Metric, agreement, definitions, over_channels};
 use crumple_signal::{
-    About, Axis, Channel, ChannelStatus, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2, TestDescription, Weight,
-    part_of,
+    About, Axis, Channel, ChannelStatus, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2, Sampled, TestDescription,
+    Weight, part_of,
 };
 use crumple_stage::records::MetricV1;
 use crumple_stage::{Inputs, Output, Refused, program};
 
-use crate::stage::integration::Integrated;
-use crate::stage::records::metric_record;
+use crate::stage::integration::{ChannelIntegration, Integrated, acceleration};
+use crate::stage::records::{metric_record, metric_records, note_warnings, warn_unless_of_the_vehicle};
 
 /// Parts of the vehicle that move apart from its compartment, lower case.
 const PARTS: [&str; 10] =
@@ -220,6 +220,88 @@ impl<'a> ChannelAgreement<'a> {
     }
 }
 
+/// Channels beside the pulse that have all replicates asked for; more of them share those of so many.
+const WITH_ALL_REPLICATES: usize = 60;
+/// Replicates of each of them at least: a quantile of 50 is itself uncertain by a third of a standard deviation.
+const LEAST_REPLICATES: usize = 50;
+
+/// Replicates for each of so many channels beside the pulse, so that the work on them is bounded.
+fn replicates_of_others(asked: usize, channels: usize) -> usize {
+    let shared = asked.saturating_mul(WITH_ALL_REPLICATES) / channels.max(WITH_ALL_REPLICATES);
+    shared.max(LEAST_REPLICATES).min(asked)
+}
+
+/// Integrates and writes the channels beside the pulse and compares them with it; returns their metrics.
+pub fn integrate_others(
+    task: &ChannelIntegration<'_>,
+    pulse: &Channel,
+    others: &mut ChannelAgreement<'_>,
+    out: &mut Output,
+) -> anyhow::Result<Vec<MetricV1>> {
+    let ChannelIntegration { settings, input, test, .. } = *task;
+    let impact_speed_m_per_s = task.impact_speed_m_per_s.unwrap_or(0.0);
+    let mut metrics = Vec::new();
+    let channels = other_channels(&settings.channels, test, &pulse.id, input, out.notes())?;
+    let asked = settings.uncertainty.as_ref().map_or(0, |uncertainty| uncertainty.replicates);
+    let most_replicates = replicates_of_others(asked, channels.len());
+    if most_replicates < asked {
+        out.notes().info(format!(
+            "intervals of the {} channels beside the pulse are 5-95 % of {most_replicates} replicates each, not \
+             {asked}: they are many",
+            channels.len()
+        ));
+    }
+    let task = &ChannelIntegration { most_replicates, ..*task };
+    for other in channels {
+        let samples = acceleration(input, other)?;
+        if !covers(&samples) {
+            out.notes().concern(
+                About::Channel(other.id.clone()),
+                Weight::Slight,
+                format!(
+                    "channel {} runs from {:.1} to {:.1} ms and does not contain contact: not integrated",
+                    other.id,
+                    1e3 * samples.t0_s(),
+                    1e3 * samples.end_s()
+                ),
+            );
+            continue;
+        }
+        let motion = task.integrate(other, &samples, out)?;
+        // Taken with all the others, of a place that nobody names: that it moves with the vehicle must show.
+        let unnamed =
+            !settings.channels.iter().any(|name| test.resolve_channels(name).iter().any(|c| c.id == other.id));
+        if unnamed && unplaced(other) && !others.agrees(&motion) {
+            out.notes().concern(
+                About::Channel(other.id.clone()),
+                Weight::Slight,
+                format!(
+                    "channel {} does not move as the pulse does, and nothing says where it sits: not compared with the \
+                 vehicle (if it is of the compartment, name it: --set integrate.channels=all,{})",
+                    other.id, other.id
+                ),
+            );
+            continue;
+        }
+        note_warnings(&other.id, &motion, impact_speed_m_per_s, out.notes());
+        metrics.extend(metric_records(&other.id, &motion));
+        warn_unless_of_the_vehicle(other, out.notes());
+        others.compare(other, &motion, out.notes());
+        task.write(&other.id, motion, out)?;
+    }
+    Ok(metrics)
+}
+
+/// Whether a channel starts no later than one interval after time zero and goes on after it: its speed there is known.
+fn covers(samples: &Sampled) -> bool {
+    samples.t0_s() <= samples.dt_s() && samples.index_at_or_after(0.0) + 2 <= samples.len()
+}
+
+/// Whether neither a location nor a code says where a channel sits.
+fn unplaced(channel: &Channel) -> bool {
+    channel.location.trim().is_empty() && channel.code.is_none()
+}
+
 fn motion(integrated: &Integrated) -> ChannelMotion<'_> {
     ChannelMotion {
         acceleration: &integrated.motion.acceleration,
@@ -231,6 +313,13 @@ fn motion(integrated: &Integrated) -> ChannelMotion<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn many_channels_share_the_replicates_of_sixty() {
+        let of = |channels| replicates_of_others(400, channels);
+        assert_eq!([0, 1, 60, 120, 299, 100_000].map(of), [400, 400, 400, 200, 80, 50]);
+        assert_eq!([0, 20].map(|asked| replicates_of_others(asked, 1000)), [0, 20]);
+    }
 
     #[test]
     fn a_sensor_on_the_front_is_not_of_the_compartment() {

@@ -1,19 +1,19 @@
 //! The other vehicle of a test with two: its own motion, and what both say of their collision.
 
 use crumple_metrics::definitions::{
-    COMMON_VELOCITY, COMMON_VELOCITY_BY_MOMENTUM, MOMENTUM_GAP, RELATIVE_CRUSH, RESTITUTION_TWO, STROKE,
+    COMMON_VELOCITY, COMMON_VELOCITY_BY_MOMENTUM, MOMENTUM_GAP, RELATIVE_CRUSH, RESTITUTION_TWO,
     TIME_OF_COMMON_VELOCITY,
 };
 use crumple_metrics::{Metric, TwoVehicleImpact, collision, common_velocity};
-use crumple_signal::{Channel, IntegrationRule, QuantityKind, Sampled, TestDescription, integrate_twice, part_of};
-use crumple_stage::records::{ImpactsV1, MetricV1, MetricsV2, TestV1, VehicleV1, VehiclesV1};
+use crumple_signal::{Channel, QuantityKind, Signal, TestDescription, Velocity, part_of};
+use crumple_stage::records::{MetricV1, MetricsV2, TestV1, VehicleV1, VehiclesV1};
 use crumple_stage::{Inputs, Outcome, Output};
 
 use crate::stage::criteria::{recorded_changes, recorded_impacts};
-use crate::stage::integration::{ChannelIntegration, Integrated, acceleration};
+use crate::stage::integration::{ChannelIntegration, acceleration};
 use crate::stage::occupants_and_roadside::Criteria;
 use crate::stage::options::StageSettings;
-use crate::stage::records::{impact_records, metric_record, metric_records, note_impacts, warn_unless_of_the_vehicle};
+use crate::stage::records::{metric_record, metric_records};
 
 /// Momentum left over that is worth a warning: sensors and masses are better than that.
 const LARGE_GAP: f64 = 0.1;
@@ -43,12 +43,13 @@ pub fn of_one_vehicle(test: &TestDescription, vehicles: &[VehicleV1], pulse: &st
 }
 
 /// Integrates the pulse of the other vehicle with its own speed and mass; returns its metrics and those of the
-/// collision. Its velocity is written, no displacement: that of a sensor would be compared with the models.
+/// collision with the vehicle of the pulse, of which speed at contact and velocity are given. Its velocity is written,
+/// no displacement: that of a sensor would be compared with the models.
 pub fn other_vehicle(
     task: &ChannelIntegration<'_>,
     vehicles: &[VehicleV1],
     pulse: &Channel,
-    integrated: &Integrated,
+    (own_speed, own_velocity): (f64, &Signal<Velocity>),
     out: &mut Output,
 ) -> anyhow::Result<Vec<MetricV1>> {
     let Some(own) = carrier(vehicles, &pulse.id) else { return Ok(Vec::new()) };
@@ -64,7 +65,12 @@ pub fn other_vehicle(
     let mut described = task.test.clone();
     described.mass_kg = other.mass_kg;
     described.impact_speed_m_per_s = other.impact_speed_m_per_s;
-    let its_task = ChannelIntegration { test: &described, impact_speed_m_per_s: other.impact_speed_m_per_s, ..*task };
+    let its_task = ChannelIntegration {
+        test: &described,
+        impact_speed_m_per_s: other.impact_speed_m_per_s,
+        change_from_m_per_s: Some(0.0),
+        ..*task
+    };
     let motion = its_task.integrate(channel, &acceleration(task.input, channel)?, out)?;
     let mut metrics = metric_records(&channel.id, &motion);
     let velocity = &motion.motion.velocity;
@@ -81,10 +87,10 @@ pub fn other_vehicle(
         )?;
         return Ok(metrics);
     };
-    match collision(&integrated.motion.velocity, velocity) {
+    match collision(own_velocity, velocity) {
         Some(found) => {
             let masses = own.mass_kg.or(task.test.mass_kg).zip(other.mass_kg);
-            let speeds = [task.impact_speed_m_per_s.unwrap_or(0.0), other_speed];
+            let speeds = [own_speed, other_speed];
             let ids = [pulse.id.as_str(), channel.id.as_str()];
             say(&found, [own.number, number], masses, speeds, out);
             metrics.extend(collision_metrics(&found, masses, speeds).iter().map(|metric| metric_record(&ids, metric)));
@@ -256,101 +262,3 @@ pub fn without_motion(
     out.nothing_for_later_stages(reason);
     Ok(Outcome::Done)
 }
-
-/// Gain of velocity over the impact speed, up to which a pulse that pushes forward is a hit from behind: a frontal
-/// pulse of the wrong sign gains 1.0 to 1.35 times the impact speed.
-const PUSHED: f64 = 0.6;
-
-/// Whether a vehicle that moves at a stated speed gains velocity: it was struck from behind. A pulse of the wrong sign
-/// gains more, and was asked about. A velocity that is known at the end is one over ground: such a motion is integrated
-/// from its stated speed.
-pub fn is_pushed(
-    settings: &StageSettings,
-    input: &Inputs,
-    test: &TestDescription,
-    (pulse, speed_m_per_s): (&Channel, Option<f64>),
-) -> anyhow::Result<bool> {
-    let may_be = !test.exchange_asked && settings.end_condition.is_none();
-    let Some(speed) = speed_m_per_s.filter(|_| may_be) else { return Ok(false) };
-    let samples = acceleration(input, pulse)?;
-    let (whole, _) = integrate_twice(samples.samples(), samples.dt_s(), IntegrationRule::Trapezoid, 0.0, 0.0);
-    let v = &whole[samples.index_at_or_after(0.0).min(whole.len().saturating_sub(1))..];
-    let change = |of: fn(f64, f64) -> f64| v.iter().copied().reduce(of).map_or(0.0, |end| end - v[0]);
-    let (gain, loss) = (change(f64::max), -change(f64::min));
-    Ok(gain > loss && gain < PUSHED * speed && gain > LEAST_GAIN_M_PER_S)
-}
-
-/// Less is no pulse: 3.6 km/h.
-const LEAST_GAIN_M_PER_S: f64 = 1.0;
-
-/// Writes the change of velocity of the pulse, the metrics that need no impact, and criteria. The others are absent,
-/// with this as their reason. Of a motion from rest, velocity and displacement are known: its stroke is there. Later
-/// stages, whose models start at the impact speed, have nothing to work on.
-pub fn without_impact(
-    settings: &StageSettings,
-    input: &Inputs,
-    test: &TestDescription,
-    (pulse, speed_m_per_s): (&Channel, Option<f64>),
-    out: &mut Output,
-) -> anyhow::Result<Outcome> {
-    let samples = acceleration(input, pulse)?;
-    let impact_speed_m_per_s = speed_m_per_s.filter(|speed| *speed == 0.0);
-    let task = ChannelIntegration { settings, input, test, impact_speed_m_per_s, most_replicates: usize::MAX };
-    let integrated = task.integrate(pulse, &samples, out)?;
-    warn_unless_of_the_vehicle(pulse, out.notes());
-    note_impacts(&integrated.events.impacts, out);
-    let mut metrics = metric_records(&pulse.id, &integrated);
-    let is_forward = integrated.events.end_velocity_m_per_s > 0.0;
-    // What is pushed forward and has no speed stated starts from rest: a sled, a hit on a vehicle that stands.
-    let from_rest = speed_m_per_s == Some(0.0) || (speed_m_per_s.is_none() && is_forward);
-    let delta_v = metrics.iter().find(|metric| metric.name == "delta_v");
-    let delta_v = delta_v.and_then(|metric| Some((metric.value?, metric.to_s?)));
-    let stroke = delta_v.and_then(|(_, time_s)| integrated.motion.displacement.at(time_s)).filter(|_| from_rest);
-    if let (Some(stroke), Some((_, time_s))) = (stroke, delta_v) {
-        let stroke = Metric::with_value(&STROKE, stroke.abs()).over(0.0, time_s);
-        metrics.push(metric_record(&[&pulse.id], &stroke));
-    }
-    let criteria = Criteria { settings, input, test, pulse, impact_speed_m_per_s: None };
-    metrics.extend(criteria.records(out)?);
-
-    let change = delta_v.map_or_else(String::new, |(value, time_s)| {
-        format!(": change of velocity {value:.3} m/s at {:.1} ms", 1e3 * time_s)
-    });
-    let stroke_text = stroke.map_or_else(String::new, |stroke| format!(", stroke {:.0} mm", 1e3 * stroke.abs()));
-    let (speed_text, reason) = match speed_m_per_s {
-        Some(0.0) => ("; from rest", FROM_REST),
-        Some(_) => {
-            ("; it is pushed forward", "the pulse pushes the vehicle forward: it has no crush and no crush model")
-        }
-        // A vehicle pushed forward starts from rest: nobody has an impact speed to give.
-        None if is_forward => ("; no impact speed is stated", UNSTATED_AND_FORWARD),
-        None => (
-            "; no impact speed is stated",
-            "no impact speed is stated, so there is no crush and no model of it: --impact-speed 35km/h at ingest",
-        ),
-    };
-    out.summary(format!("pulse {}{change}{stroke_text}{speed_text}", pulse.id));
-    out.put("/test", &TestV1::from(test))?;
-    let impacts = impact_records(&integrated.events.impacts, None);
-    out.put("/impacts", &ImpactsV1 { channel: pulse.id.clone(), impacts })?;
-    out.put("/metrics", &MetricsV2 { metrics })?;
-    // The speed at contact is known where it is stated, and zero for what starts from rest.
-    if let Some(at_contact) = speed_m_per_s.or(from_rest.then_some(0.0)) {
-        let change = &integrated.motion.velocity;
-        let velocity = change.samples().iter().map(|change| at_contact + change).collect();
-        let velocity = Sampled::new(change.t0_s(), change.dt_s(), velocity)?;
-        out.wave(&format!("{}/velocity", pulse.id), QuantityKind::Velocity, velocity)?;
-    }
-    if from_rest {
-        let displacement = integrated.motion.displacement.clone().into_sampled();
-        out.wave(&format!("{}/displacement", pulse.id), QuantityKind::Displacement, displacement)?;
-    }
-    let change = integrated.motion.velocity.into_sampled();
-    out.wave(&format!("{}/velocity_change", pulse.id), QuantityKind::VelocityChange, change)?;
-    out.nothing_for_later_stages(reason);
-    Ok(Outcome::Done)
-}
-
-const FROM_REST: &str = "the motion starts from rest: it has no crush and no crush model";
-const UNSTATED_AND_FORWARD: &str = "no impact speed is stated and the pulse is positive, as of a sled or a hit from \
-    behind: a motion from rest has no crush and no crush model";

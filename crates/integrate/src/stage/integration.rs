@@ -5,8 +5,9 @@ use std::cell::RefCell;
 use crate::{Intervals, MOST_SAMPLES, Uncertainty, barrier_force, events_within, propagate};
 use crumple_metrics::{CrashEvents, Interval, Metric, Pulse, pulse_metrics};
 use crumple_signal::{
-    About, Acceleration, Channel, Drift, IntegrateError, IntegrationSettings, Motion, Notes, QuantityKind,
-    STANDARD_GRAVITY_M_PER_S2, Signal, TestDescription, Weight, integrate_reporting, integrate_without_drift,
+    About, Acceleration, Channel, Drift, EndCondition, IntegrateError, IntegrationSettings, KnownEnd, Motion, Notes,
+    QuantityKind, STANDARD_GRAVITY_M_PER_S2, Sampled, Signal, TestDescription, Velocity, Weight, integrate_reporting,
+    integrate_without_drift,
 };
 use crumple_stage::records::{ChannelFilterV1, QualityV1};
 use crumple_stage::{Inputs, Output, RefuseExt, Refused, flag, option};
@@ -72,8 +73,10 @@ pub struct ChannelIntegration<'a> {
     pub settings: &'a StageSettings,
     pub input: &'a Inputs,
     pub test: &'a TestDescription,
-    /// `None`: not known; the velocity is then its change from time zero.
+    /// `None`: not known, or nothing has an impact; the velocity is then its change from time zero.
     pub impact_speed_m_per_s: Option<f64>,
+    /// Of a change of velocity the velocity that it starts from, if that is known; 0 of an impact.
+    pub change_from_m_per_s: Option<f64>,
     /// Replicates that the intervals of a channel are read from, at most.
     pub most_replicates: usize,
 }
@@ -93,7 +96,8 @@ impl ChannelIntegration<'_> {
             impact_speed_m_per_s,
             low_pass_filtered: channel.cfc.is_some() || smoothed(self.input, &channel.id)?,
         };
-        let (motion, drift) = match self.settings.end_condition {
+        let end = self.end_condition(acceleration.end_s());
+        let (motion, drift) = match end {
             None => {
                 let progress = RefCell::new(out.progress("integrating", acceleration.len() as u64));
                 let report = |amount| progress.borrow_mut().advance(amount);
@@ -105,7 +109,8 @@ impl ChannelIntegration<'_> {
                 let (motion, drift) = integrate_without_drift(acceleration, &settings, end).refuse_with_hint(
                     format!("{} says when the velocity is the one known", flag("integrate", "end-time")),
                 )?;
-                note_drift(&channel.id, &drift, end.velocity_m_per_s, out.notes());
+                let stated = self.settings.end_condition.unwrap_or(end).known;
+                note_drift(&channel.id, &drift, stated, out.notes());
                 (motion, Some(drift))
             }
         };
@@ -139,19 +144,35 @@ impl ChannelIntegration<'_> {
         Ok(Integrated { motion, events, metrics, drift, uncertainty, event_intervals, events_without, metrics_without })
     }
 
+    /// What is known at the end, as the motion is integrated: of a change of velocity without what the speed at contact
+    /// does.
+    fn end_condition(&self, record_ends_s: f64) -> Option<EndCondition> {
+        let end = self.settings.end_condition?;
+        let from = self.change_from_m_per_s.unwrap_or(0.0);
+        let known = match end.known {
+            KnownEnd::Velocity(velocity) => KnownEnd::Velocity(velocity - from),
+            KnownEnd::Displacement(way) => KnownEnd::Displacement(way - from * end.time_s.unwrap_or(record_ends_s)),
+        };
+        Some(EndCondition { known, ..end })
+    }
+
     /// The uncertainty of the inputs: that of the options, that of contact as the test states it, and what ingest saw of
-    /// the channel.
+    /// the channel. `None` where nothing is uncertain.
     fn uncertainty(&self, id: &str, events: &CrashEvents, end_s: f64) -> anyhow::Result<Option<Uncertainty>> {
+        let Some(stated) = self.settings.uncertainty.clone() else { return Ok(None) };
         let contact = self.test.contact.as_ref();
         let contact_s = contact.and_then(|contact| contact.uncertainty_s);
         let earlier_by_s = contact.map_or(0.0, |contact| contact.earlier_by_s);
-        let Some(stated) = self.settings.uncertainty.clone() else { return Ok(None) };
-        let stated = Uncertainty { contact_s, earlier_by_s, ..stated };
+        // A change of velocity, from an unknown speed or from rest, has no speed to vary.
+        let has_speed = self.impact_speed_m_per_s.is_some_and(|speed| speed > 0.0);
+        let impact_speed_m_per_s = stated.impact_speed_m_per_s.filter(|_| has_speed);
+        let stated = Uncertainty { impact_speed_m_per_s, contact_s, earlier_by_s, ..stated };
         let quality = self.input.record_if::<QualityV1>(&format!("/quality/{id}"))?;
-        Ok(Some(match quality {
+        let all = match quality {
             Some(quality) => stated.with_quality(&quality, events, end_s),
             None => stated,
-        }))
+        };
+        Ok(Some(all).filter(Uncertainty::is_any))
     }
 
     /// Intervals from repetitions with perturbed inputs, where inputs are uncertain.
@@ -163,8 +184,7 @@ impl ChannelIntegration<'_> {
         uncertainty: Option<&Uncertainty>,
         out: &mut Output,
     ) -> Option<Intervals> {
-        // A change of velocity from an unknown speed, or from rest, has no speed to vary.
-        let stated = uncertainty.filter(|_| self.impact_speed_m_per_s.is_some_and(|speed| speed > 0.0))?.clone();
+        let stated = uncertainty?.clone();
         let uncertainty = &Uncertainty { replicates: stated.replicates.min(self.most_replicates), ..stated };
         if acceleration.len() > MOST_SAMPLES {
             out.notes().warning(format!(
@@ -174,12 +194,21 @@ impl ChannelIntegration<'_> {
             return None;
         }
         let mut progress = out.progress("repeating with perturbed inputs", uncertainty.replicates as u64);
-        let (end, mass_kg) = (self.settings.end_condition, self.test.mass_kg);
+        let (end, mass_kg) = (self.end_condition(acceleration.end_s()), self.test.mass_kg);
         Some(propagate(acceleration, motion, settings, end, mass_kg, uncertainty, |done| progress.advance(done)))
     }
 
-    /// Writes force, velocity and displacement of a channel.
+    /// Writes force, velocity and displacement of a channel; of a change of velocity that, and velocity and
+    /// displacement where the speed at contact is known.
     pub fn write(&self, id: &str, channel: Integrated, out: &mut Output) -> anyhow::Result<()> {
+        if self.impact_speed_m_per_s.is_none_or(|speed| speed == 0.0) {
+            if let Some((velocity, displacement)) = self.over_ground(&channel.motion)? {
+                out.wave(&format!("{id}/velocity"), QuantityKind::Velocity, velocity.into_sampled())?;
+                out.wave(&format!("{id}/displacement"), QuantityKind::Displacement, displacement)?;
+            }
+            let change = channel.motion.velocity.into_sampled();
+            return out.wave(&format!("{id}/velocity_change"), QuantityKind::VelocityChange, change);
+        }
         if let Some(mass_kg) = self.test.mass_kg {
             let force = barrier_force(&channel.motion.acceleration, mass_kg)
                 .refuse_with_hint(format!("state the test mass: {}", option("ingest", "mass", "873kg")))?;
@@ -187,6 +216,18 @@ impl ChannelIntegration<'_> {
         }
         out.wave(&format!("{id}/velocity"), QuantityKind::Velocity, channel.motion.velocity.into_sampled())?;
         out.wave(&format!("{id}/displacement"), QuantityKind::Displacement, channel.motion.displacement.into_sampled())
+    }
+}
+
+impl ChannelIntegration<'_> {
+    /// Velocity and displacement of what was integrated as a change, where the speed at contact is known.
+    pub fn over_ground(&self, motion: &Motion) -> anyhow::Result<Option<(Signal<Velocity>, Sampled)>> {
+        let Some(from) = self.change_from_m_per_s else { return Ok(None) };
+        let (v, x) = (&motion.velocity, &motion.displacement);
+        let velocity = v.with_samples(v.samples().iter().map(|change| from + change).collect())?;
+        let times = (0..x.len()).map(|k| x.time_s(k));
+        let way = x.samples().iter().zip(times).map(|(way, t)| way + from * t).collect();
+        Ok(Some((velocity, Sampled::new(x.t0_s(), x.dt_s(), way)?)))
     }
 }
 
@@ -217,16 +258,23 @@ fn smoothed(input: &Inputs, id: &str) -> anyhow::Result<bool> {
     }))
 }
 
-fn note_drift(id: &str, drift: &Drift, stated_m_per_s: f64, notes: &mut Notes) {
+fn note_drift(id: &str, drift: &Drift, stated: KnownEnd, notes: &mut Notes) {
+    let (at_ms, gap) = (1e3 * drift.time_s, drift.gap);
+    let met = match stated {
+        KnownEnd::Velocity(velocity) => {
+            format!("the velocity at {at_ms:.1} ms is {velocity:.3} m/s as stated; without it {gap:+.3} m/s more")
+        }
+        KnownEnd::Displacement(way) => format!(
+            "the displacement at {at_ms:.1} ms is {:.1} mm as stated; without it {:+.1} mm more",
+            1e3 * way,
+            1e3 * gap
+        ),
+    };
     let text = format!(
-        "channel {id}: drift of {:+.4} m/s^2 ({:+.5} g, {}) taken out so that the velocity at {:.1} ms is {:.3} m/s \
-         as stated; without it {:+.3} m/s more",
+        "channel {id}: drift of {:+.4} m/s^2 ({:+.5} g, {}) taken out so that {met}",
         drift.acceleration_m_per_s2,
         drift.acceleration_m_per_s2 / STANDARD_GRAVITY_M_PER_S2,
-        drift.shape.name(),
-        1e3 * drift.time_s,
-        stated_m_per_s,
-        drift.velocity_gap_m_per_s
+        drift.shape.name()
     );
     if drift.acceleration_m_per_s2.abs() <= LARGE_DRIFT_M_PER_S2 {
         notes.info(text);

@@ -4,11 +4,12 @@ use std::fmt;
 use std::str::FromStr;
 
 use crate::Uncertainty;
-use crumple_metrics::NO_DAMAGE_SPEED_M_PER_S;
+use clap::builder::PossibleValuesParser;
+use crumple_metrics::{NO_DAMAGE_SPEED_M_PER_S, SLED_PULSES, SledPulse};
 use crumple_signal::value::{Length, Level, Share, Speed, Time};
 use crumple_signal::{
-    Distribution, DriftShape, EndCondition, IntegrationRule, IntegrationStart, STANDARD_GRAVITY_M_PER_S2, Spread,
-    Uncertain, UsedStart,
+    Distribution, DriftShape, EndCondition, IntegrationRule, IntegrationStart, KnownEnd, STANDARD_GRAVITY_M_PER_S2,
+    Spread, Uncertain, UsedStart,
 };
 use crumple_stage::{LeftOut, Usage, flag};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
@@ -44,7 +45,12 @@ pub struct Options {
     #[arg(long, value_name = "SPEED", allow_hyphen_values = true)]
     pub end_velocity: Option<EndVelocity>,
 
-    /// When the known velocity holds, counted from contact [default: at the last sample]
+    /// Known displacement from contact on, e.g. 655mm, the stroke of a sled: the drift that brings the pulse there is
+    /// taken out
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, conflicts_with = "end_velocity")]
+    pub end_displacement: Option<Length>,
+
+    /// When the known velocity or displacement holds, counted from contact [default: at the last sample]
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub end_time: Option<Time>,
 
@@ -81,6 +87,10 @@ pub struct Options {
     #[arg(long, value_enum, value_name = "GROUP", value_delimiter = ',')]
     pub metrics: Vec<MetricGroup>,
 
+    /// Sled pulse of a standard that the pulse is held against: its corridor, velocity, stroke and peak [default: none]
+    #[arg(long, value_name = "NAME", value_parser = corridor_names())]
+    pub corridor: Option<String>,
+
     /// Width of the damage, e.g. 1.6m: with the residual crush, CRASH3 stiffness A, B and G [default: as the file
     /// states it]
     #[arg(long, value_name = "LENGTH")]
@@ -93,6 +103,11 @@ pub struct Options {
     /// Speed of no damage b0 for CRASH3 [default: 2.2352 m/s, 5 mph]
     #[arg(long, value_name = "SPEED")]
     pub no_damage_speed: Option<Speed>,
+}
+
+/// The names of the sled pulses.
+fn corridor_names() -> PossibleValuesParser {
+    PossibleValuesParser::new(SLED_PULSES.iter().map(|pulse| pulse.name))
 }
 
 /// Contact is settled where the record is read, for all stages.
@@ -200,6 +215,9 @@ pub struct StageSettings {
     /// Empty: auto.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub metrics: Vec<MetricGroup>,
+    /// The sled pulse that is held against; `None`: none.
+    #[serde(skip_serializing_if = "Option::is_none", serialize_with = "as_name")]
+    pub corridor: Option<SledPulse>,
     /// Speed of no damage, for CRASH3.
     #[serde(skip_serializing_if = "is_usual_speed")]
     pub no_damage_speed_m_per_s: f64,
@@ -223,6 +241,10 @@ fn is_default(cells: &BarrierCells) -> bool {
     *cells == BarrierCells::default()
 }
 
+fn as_name<S: Serializer>(pulse: &Option<SledPulse>, serializer: S) -> Result<S::Ok, S::Error> {
+    pulse.map(|pulse| pulse.name).serialize(serializer)
+}
+
 fn is_usual_speed(speed: &f64) -> bool {
     *speed == NO_DAMAGE_SPEED_M_PER_S
 }
@@ -231,13 +253,19 @@ impl TryFrom<Options> for StageSettings {
     type Error = Usage;
 
     fn try_from(options: Options) -> Result<Self, Usage> {
-        if options.end_velocity.is_none() {
+        if options.end_velocity.is_some() && options.end_displacement.is_some() {
+            return Err(Usage::new("end-velocity and end-displacement are both given").hint("one drift meets one"));
+        }
+        if options.end_velocity.is_none() && options.end_displacement.is_none() {
             let given = [("end-time", options.end_time.is_some()), ("drift", options.drift.is_some())];
             if let Some((name, _)) = given.into_iter().find(|(_, given)| *given) {
-                return Err(Usage::new(format!("{name} needs end-velocity"))
+                return Err(Usage::new(format!("{name} needs end-velocity or end-displacement"))
                     .hint(format!("give the velocity that is known with {}", flag("integrate", "end-velocity"))));
             }
         }
+        let corridor = options.corridor.as_deref().map(sled_pulse).transpose()?;
+        let known = options.end_velocity.map(|EndVelocity(speed)| KnownEnd::Velocity(speed.si()));
+        let known = known.or(options.end_displacement.map(|way| KnownEnd::Displacement(way.si())));
         let uncertainty = uncertainty(&options)?;
         let metrics: Vec<MetricGroup> =
             options.metrics.iter().copied().filter(|group| *group != MetricGroup::Auto).collect();
@@ -262,8 +290,9 @@ impl TryFrom<Options> for StageSettings {
             channel: options.channel,
             channels: options.channels,
             impact_speed_m_per_s: options.impact_speed.map(Speed::si),
-            end_condition: options.end_velocity.map(|EndVelocity(speed)| EndCondition {
-                velocity_m_per_s: speed.si(),
+            corridor,
+            end_condition: known.map(|known| EndCondition {
+                known,
                 time_s: options.end_time.map(Time::si),
                 shape: options.drift.unwrap_or_default(),
             }),
@@ -273,6 +302,14 @@ impl TryFrom<Options> for StageSettings {
             damage,
         })
     }
+}
+
+/// The sled pulse of a name.
+fn sled_pulse(name: &str) -> Result<SledPulse, Usage> {
+    SLED_PULSES.iter().find(|pulse| pulse.name == name).copied().ok_or_else(|| {
+        let names: Vec<&str> = SLED_PULSES.iter().map(|pulse| pulse.name).collect();
+        Usage::new(format!("no sled pulse is called {name:?}")).hint(format!("there are: {}", names.join(", ")))
+    })
 }
 
 // The uncertain inputs of the options, and what the intervals made of them rest on.
@@ -309,12 +346,12 @@ pub fn uncertainty(options: &Options) -> Result<Option<Uncertainty>, Usage> {
         replicates: replicates as usize,
         seed: options.uncertainty_seed.unwrap_or(1),
     };
-    let inputs = [stated.impact_speed_m_per_s, stated.zero_level_m_per_s2, stated.gain];
-    Ok((replicates > 0 && inputs.into_iter().any(|input| input.is_some())).then_some(stated))
+    Ok((replicates > 0 && stated.is_any()).then_some(stated))
 }
 
-/// What the intervals rest on, in words.
-pub fn uncertainty_note(uncertainty: &Uncertainty, start: UsedStart) -> String {
+/// What the intervals rest on, in words. `start`: of an impact, whose crush contact moves; `None`: of a change of
+/// velocity.
+pub fn uncertainty_note(uncertainty: &Uncertainty, start: Option<UsedStart>) -> String {
     let Uncertainty { impact_speed_m_per_s, zero_level_m_per_s2, gain, contact_s, replicates, seed, .. } = uncertainty;
     let inputs = [
         ("impact speed", impact_speed_m_per_s, 3.6, "km/h"),
@@ -344,12 +381,12 @@ pub fn uncertainty_note(uncertainty: &Uncertainty, start: UsedStart) -> String {
         })
     });
     let moved = match (contact_s, start) {
-        (None, _) => "",
-        (Some(_), UsedStart::RecordStart) => {
+        (None, _) | (_, None) => "",
+        (Some(_), Some(UsedStart::RecordStart)) => {
             ". An error of contact moves the crush by v0 times the error and all times by the error. Delta-v and \
              rebound speed stay"
         }
-        (Some(_), UsedStart::TimeZero) => {
+        (Some(_), Some(UsedStart::TimeZero)) => {
             ". An error of contact moves the crush by v0 times the error, and the velocity by the pulse in between"
         }
     };

@@ -153,6 +153,8 @@ fn the_crush_of_a_vehicle_that_stops_dead_has_an_interval() {
         gain: spread(0.01),
         contact_s: None,
         earlier_by_s: 0.0,
+        lost_s: None,
+        zero_shift_m_per_s2: 0.0,
         replicates: 60,
         seed: 1,
     };

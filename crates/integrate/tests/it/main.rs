@@ -8,6 +8,7 @@ mod known_truth;
 mod several_channels;
 mod stage;
 mod uncertainty;
+mod without_structure;
 
 use std::path::Path;
 use std::process::Output;

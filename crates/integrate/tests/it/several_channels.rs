@@ -248,6 +248,23 @@ fn both_vehicles_are_reported_with_what_they_say_together() {
 }
 
 #[test]
+fn a_vehicle_that_stands_is_reported_with_the_one_that_hits_it() {
+    let ahead = TwoVehicles { speeds_km_per_h: [0.0, 50.0], ..TwoVehicles::STANDING };
+    let from_behind = TwoVehicles { speeds_km_per_h: [0.0, 50.0], same_heading: true, ..TwoVehicles::STANDING };
+    for cars in [ahead, from_behind] {
+        let folder = tempfile::tempdir().unwrap();
+        let artifact = Artifact::open(&PROGRAM.written(&filtered(folder.path(), &cars), &[])).unwrap();
+        let metrics = artifact.record::<MetricsV2>("/metrics").unwrap().unwrap().metrics;
+        let value = |name: &str| metric_of_vehicle(&metrics, "1+4", name).value.unwrap();
+        let common = cars.masses_kg[1] * 50.0 / 3.6 / (cars.masses_kg[0] + cars.masses_kg[1]);
+        assert!((value("common_velocity").abs() - common).abs() < 1e-4, "{cars:?}");
+        assert!((value("common_velocity_by_momentum").abs() - common).abs() < 1e-12, "{cars:?}");
+        assert!(value("momentum_gap").abs() < 1e-6 && value("relative_crush") > 0.1, "{cars:?}");
+        assert!(artifact.waves().contains_key("4/velocity") && artifact.waves().contains_key("1/velocity"));
+    }
+}
+
+#[test]
 fn a_wrong_mass_shows_in_the_momentum() {
     let folder = tempfile::tempdir().unwrap();
     let cars = TwoVehicles::STANDING;

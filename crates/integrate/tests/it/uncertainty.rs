@@ -7,7 +7,7 @@ use crumple_integrate::{EVENT_NAMES, Intervals, Perturbation, Uncertainty, pertu
 use crumple_metrics::{CrashEvents, Pulse, crash_events, pulse_metrics};
 use crumple_signal::{
     Acceleration, Distribution, DriftShape, EndCondition, IntegrationRule, IntegrationSettings, IntegrationStart,
-    STANDARD_GRAVITY_M_PER_S2, Signal, Spread, integrate,
+    KnownEnd, STANDARD_GRAVITY_M_PER_S2, Signal, Spread, integrate,
 };
 
 const V0: f64 = 14.0;
@@ -283,7 +283,7 @@ fn every_event_and_metric_has_an_interval_but_what_replicates_lack_and_a_check_o
 
 #[test]
 fn a_known_velocity_takes_the_zero_level_out_of_the_intervals() {
-    let end = |velocity_m_per_s| EndCondition { velocity_m_per_s, time_s: None, shape: DriftShape::Bias };
+    let end = |velocity| EndCondition { known: KnownEnd::Velocity(velocity), time_s: None, shape: DriftShape::Bias };
     let only = |zero_level_m_per_s2, gain| Uncertainty {
         impact_speed_m_per_s: None,
         contact_s: None,

@@ -3,7 +3,8 @@
 //! What moves a model: an impact, a force, the motion of the barrier.
 //!
 //! Samples of a drive are linear between each other, as a recorder's are read everywhere in this program; a response to
-//! them is exact, and so is that to a half-sine. A drive that is shorter than the response is zero afterwards.
+//! them is exact, and so is that to a half-sine and a haversine. A drive that is shorter than the response is zero
+//! afterwards.
 
 use pulp::Arch;
 
@@ -199,6 +200,13 @@ pub enum CrashPulse {
         /// Duration `T`, s.
         duration_s: f64,
     },
+    /// `peak (1 - cos(2 π t/T))/2` for `0 <= t <= T`: it begins and ends without a slope.
+    Haversine {
+        /// Peak, m/s².
+        peak_m_per_s2: f64,
+        /// Duration `T`, s.
+        duration_s: f64,
+    },
     /// Straight lines between `(time, acceleration)`, s and m/s², times rising from zero or more.
     Lines(Vec<(f64, f64)>),
 }
@@ -210,6 +218,8 @@ pub(crate) enum Course {
     Line { from_s: f64, value: f64, slope: f64 },
     /// `peak sin(frequency t)`, rad/s.
     Sine { peak: f64, frequency: f64 },
+    /// `peak (1 - cos(frequency t))/2`, rad/s.
+    Haversine { peak: f64, frequency: f64 },
 }
 
 impl CrashPulse {
@@ -223,7 +233,7 @@ impl CrashPulse {
     /// Refuses numbers that are not finite, a duration that is not positive, times that do not rise.
     pub fn check(&self) -> Result<(), LumpedError> {
         match self {
-            Self::HalfSine { peak_m_per_s2, duration_s } => {
+            Self::HalfSine { peak_m_per_s2, duration_s } | Self::Haversine { peak_m_per_s2, duration_s } => {
                 finite("peak_m_per_s2", *peak_m_per_s2)?;
                 positive("duration_s", *duration_s)
             }
@@ -246,6 +256,9 @@ impl CrashPulse {
             Self::HalfSine { peak_m_per_s2, duration_s } => {
                 Self::HalfSine { peak_m_per_s2: -peak_m_per_s2, duration_s: *duration_s }
             }
+            Self::Haversine { peak_m_per_s2, duration_s } => {
+                Self::Haversine { peak_m_per_s2: -peak_m_per_s2, duration_s: *duration_s }
+            }
             Self::Lines(points) => Self::Lines(points.iter().map(|(t, a)| (*t, -a)).collect()),
         }
     }
@@ -255,6 +268,10 @@ impl CrashPulse {
         match self {
             Self::HalfSine { peak_m_per_s2, duration_s } => {
                 let course = Course::Sine { peak: *peak_m_per_s2, frequency: std::f64::consts::PI / duration_s };
+                (number == 0).then_some((course, *duration_s))
+            }
+            Self::Haversine { peak_m_per_s2, duration_s } => {
+                let course = Course::Haversine { peak: *peak_m_per_s2, frequency: std::f64::consts::TAU / duration_s };
                 (number == 0).then_some((course, *duration_s))
             }
             Self::Lines(points) => {

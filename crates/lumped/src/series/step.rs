@@ -125,17 +125,26 @@ impl Input {
         let mut terms = [0.0; ORDER + 1];
         match *course {
             Course::Line { from_s, value, slope } => (terms[0], terms[1]) = (value + slope * (t_s - from_s), slope),
-            Course::Sine { peak, frequency } => {
-                let (sine, cosine) = (frequency * t_s).sin_cos();
-                let mut factor = peak;
-                for (k, term) in terms.iter_mut().enumerate() {
-                    *term = factor * [sine, cosine, -sine, -cosine][k % 4];
-                    factor *= frequency / (k + 1) as f64;
-                }
+            Course::Sine { peak, frequency } => terms = sine(peak, frequency, frequency * t_s),
+            Course::Haversine { peak, frequency } => {
+                // (1 - cos φ)/2 = (1 + sin(φ - π/2))/2.
+                terms = sine(peak / 2.0, frequency, frequency * t_s - std::f64::consts::FRAC_PI_2);
+                terms[0] += peak / 2.0;
             }
         }
         Self { mass, terms }
     }
+}
+
+/// The series of `peak sin(phase + frequency t)` about `t = 0`.
+fn sine(peak: f64, frequency: f64, phase: f64) -> Series {
+    let (sine, cosine) = phase.sin_cos();
+    let (mut terms, mut factor) = ([0.0; ORDER + 1], peak);
+    for (k, term) in terms.iter_mut().enumerate() {
+        *term = factor * [sine, cosine, -sine, -cosine][k % 4];
+        factor *= frequency / (k + 1) as f64;
+    }
+    terms
 }
 
 impl NodeSeries {

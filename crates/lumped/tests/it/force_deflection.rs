@@ -310,6 +310,25 @@ fn an_occupant_without_slack_under_a_box_swings_about_twice_its_rest() {
 }
 
 #[test]
+fn an_occupant_under_a_haversine_moves_as_its_closed_form() {
+    // x'' + ω² x = A/2 (1 - cos Ω t) from rest: x = A/2 ((1 - cos ω t)/ω² - (cos Ω t - cos ω t)/(ω² - Ω²)).
+    let restraint = ForceDeflection::new(&[(0.0, 0.0), (2.0, 6e5)], 3e5).unwrap();
+    let (peak, lasting): (f64, f64) = (300.0, 0.15);
+    let omega: f64 = (3e5_f64 / 75.0).sqrt();
+    let forcing = std::f64::consts::TAU / lasting;
+    let at = |t: f64| {
+        let swing = ((forcing * t).cos() - (omega * t).cos()) / (omega * omega - forcing * forcing);
+        peak / 2.0 * ((1.0 - (omega * t).cos()) / (omega * omega) - swing)
+    };
+    let pulse = CrashPulse::Haversine { peak_m_per_s2: peak, duration_s: lasting };
+    let found = Occupant { mass_kg: 75.0, restraint }.ride(&pulse, 40.0, 0.25).unwrap();
+    let largest = found.largest_excursion;
+    assert!(largest.time_s < lasting, "inside the pulse, where the closed form holds: {}", largest.time_s);
+    assert!((largest.value - at(largest.time_s)).abs() < 1e-13 && largest.value >= at(largest.time_s + 1e-4));
+    assert!(CrashPulse::Haversine { peak_m_per_s2: 1.0, duration_s: 0.0 }.check().is_err());
+}
+
+#[test]
 fn events_have_their_names() {
     let front = rising(1.0, 2e7).with_gap(0.02).unwrap().with_rate(0.01).unwrap().with_limit(3e5).unwrap();
     let structure = Structure::row(&[1500.0], [vec![front.into()]]).unwrap();

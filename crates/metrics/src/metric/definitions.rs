@@ -76,7 +76,33 @@ catalogue! {
     DELTA_V = "delta-v" "delta_v" "m/s" Checked
         "v0 - v_s, impact speed minus the lowest velocity from t_m to the end of the contact" "definition";
     STROKE = "stroke" "stroke" "m" Checked
-        "displacement of a motion from rest at its largest velocity, from time zero" "definition";
+        "displacement from time zero to the largest change of velocity, of what starts from rest and of a braked \
+         sled" "definition";
+    RISE_TIME = "rise-time" "rise_time" "s" Checked
+        "from 10 % to 90 % of the peak, last and first crossing before it, linearly interpolated" "definition";
+    PULSE_AS_HALF_SINE = "simple-pulse-half-sine" "simple_pulse_half_sine" "1" Checked
+        "RMS of the pulse less the half sine of its duration and change of velocity, over the largest |a| in it"
+        "Varat and Husher, ESV 18-501 (2003)";
+    PULSE_AS_HAVERSINE = "simple-pulse-haversine" "simple_pulse_haversine" "1" Checked
+        "RMS of the pulse less the haversine of its duration and change of velocity, over the largest |a| in it"
+        "Varat and Husher, ESV 18-501 (2003)";
+    PULSE_AS_TRIANGLE = "simple-pulse-triangle" "simple_pulse_triangle" "1" Checked
+        "RMS of the pulse less the closest triangle of its duration and change of velocity, over the largest |a| in \
+         it" "Varat and Husher, ESV 18-501 (2003)";
+    PULSE_AS_TESW = "simple-pulse-tesw" "simple_pulse_tesw" "1" Checked
+        "RMS of the pulse less its tipped equivalent square wave, the line that keeps duration, change of velocity and \
+         displacement, over the largest |a| in it" "Huang, Vehicle Crash Mechanics (2002)";
+    PULSE_AS_TRAPEZOID = "simple-pulse-trapezoid" "simple_pulse_trapezoid" "1" Checked
+        "RMS of the pulse less the closest trapezoid of its duration and change of velocity, over the largest |a| in \
+         it" "Huang, Vehicle Crash Mechanics (2002)";
+    SLED_PULSE_MET = "sled-pulse-met" "sled_pulse_met" "1" Checked
+        "1 where corridor, velocity, stroke and peak are as the named sled pulse demands, 0 where one is not"
+        "standard as named";
+    CORRIDOR_EXCESS = "sled-corridor-excess" "corridor_excess" "m/s^2" Checked
+        "how far the pulse is outside of the corridor of the named sled pulse at most, 0 inside; straight lines \
+         between its corners" "standard as named";
+    OUTSIDE_CORRIDOR = "sled-corridor-first" "time_outside_corridor" "s" Checked
+        "first sample outside of the corridor of the named sled pulse" "standard as named";
     MAXIMUM_DELTA_V = "edr-maximum-delta-v" "maximum_delta_v" "m/s" FromMemory
         "sample of largest magnitude of the recorded change of velocity, from time zero to 300 ms, with its sign" "49 \
          CFR 563.5";

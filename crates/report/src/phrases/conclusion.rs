@@ -133,6 +133,8 @@ texts! { ConclusionTexts
         "the notes of the run say more, and its folder";
     measured_only:
         "This report holds no motion of a vehicle.";
+    no_structure:
+        "What was tested has no structure, so there is no model of it for other speeds.";
     no_models_here:
         "It holds no models: their stages did not run.";
     one_spring:

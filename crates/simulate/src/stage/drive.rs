@@ -11,8 +11,8 @@ use crumple_stage::{Inputs, Refused, Usage, nearest, option, program};
 use serde::{Deserialize, Serialize};
 
 /// What is to be typed.
-const EXPECTED: &str = "half-sine PEAK DURATION, as in \"half-sine 20g 90ms\", or triangle PEAK TIME-OF-PEAK DURATION, \
-                        as in \"triangle 24g 35ms 100ms\"";
+const EXPECTED: &str = "half-sine or haversine PEAK DURATION, as in \"half-sine 20g 90ms\", or triangle PEAK \
+                        TIME-OF-PEAK DURATION, as in \"triangle 24g 35ms 100ms\"";
 
 /// The pulse of the barrier that a text names, positive in the direction of crush; `None` where its first word is no
 /// family, so that it is the id of a waveform. Errors: values without unit, missing or without meaning.
@@ -25,9 +25,10 @@ pub fn pulse_of(text: &str) -> anyhow::Result<Option<CrashPulse>> {
     let time = |word: &str| word.parse::<Time>().map(Time::si).map_err(|e| refused(e.to_string()));
     let pulse = match (family, values.as_slice()) {
         ("half-sine", [of, lasting]) => CrashPulse::HalfSine { peak_m_per_s2: peak(of)?, duration_s: time(lasting)? },
+        ("haversine", [of, lasting]) => CrashPulse::Haversine { peak_m_per_s2: peak(of)?, duration_s: time(lasting)? },
         ("triangle", [of, at, lasting]) => CrashPulse::triangle(peak(of)?, time(at)?, time(lasting)?)
             .map_err(|_| refused("its peak is not between its start and its end".to_owned()))?,
-        ("half-sine" | "triangle", _) => return Err(refused(format!("{} values", values.len())).into()),
+        ("half-sine" | "haversine" | "triangle", _) => return Err(refused(format!("{} values", values.len())).into()),
         _ => return Ok(None),
     };
     pulse.check().map_err(|error| refused(error.to_string()))?;
@@ -196,6 +197,8 @@ mod tests {
     fn families_are_read_with_their_units() {
         let half_sine = CrashPulse::HalfSine { peak_m_per_s2: 20.0 * 9.80665, duration_s: 0.09 };
         assert_eq!(pulse_of("half-sine 20g 90ms").unwrap(), Some(half_sine));
+        let haversine = CrashPulse::Haversine { peak_m_per_s2: 300.0, duration_s: 0.1 };
+        assert_eq!(pulse_of("haversine 300m/s^2 100ms").unwrap(), Some(haversine));
         let triangle = CrashPulse::Lines(vec![(0.0, 0.0), (0.035, 240.0), (0.1, 0.0)]);
         assert_eq!(pulse_of("triangle 240m/s^2 35ms 0.1s").unwrap(), Some(triangle));
         assert_eq!(pulse_of("sled").unwrap(), None);
@@ -203,9 +206,15 @@ mod tests {
 
     #[test]
     fn what_is_no_pulse_is_refused_with_an_example() {
-        for text in
-            ["half-sine 20g", "half-sine 20 90ms", "half-sine 20g 0ms", "triangle 20g 90ms 40ms", "half-sine nan g 1s"]
-        {
+        for text in [
+            "half-sine 20g",
+            "half-sine 20 90ms",
+            "half-sine 20g 0ms",
+            "triangle 20g 90ms 40ms",
+            "half-sine nan g 1s",
+            "haversine 20g",
+            "haversine 20g 40ms 90ms",
+        ] {
             let error = pulse_of(text).unwrap_err();
             let usage = error.downcast_ref::<Usage>().unwrap();
             assert!(usage.to_string().contains(text), "{usage}");

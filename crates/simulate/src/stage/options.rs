@@ -31,7 +31,8 @@ pub struct Options {
     pub drive: Option<Drive>,
 
     /// Waveform for --drive force or base, by its id, e.g. barrier/force; for base also a pulse: "half-sine 20g 90ms"
-    /// (peak, duration), "triangle 24g 35ms 100ms" (peak, time of it, duration), positive in the direction of crush
+    /// or "haversine 20g 90ms" (peak, duration), "triangle 24g 35ms 100ms" (peak, time of it, duration), positive in
+    /// the direction of crush
     #[arg(long, value_name = "ID")]
     pub drive_wave: Option<String>,
 

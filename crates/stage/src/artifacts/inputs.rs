@@ -35,7 +35,7 @@ pub(crate) struct Diagnosed {
     /// The same with what to do.
     pub(crate) concerns: Vec<ConcernV1>,
     /// The test description travels on all the same.
-    pub(crate) test: Option<TestV1>,
+    pub(crate) test: Option<Box<TestV1>>,
 }
 
 impl Diagnosed {
@@ -92,7 +92,7 @@ pub fn load_artifacts(paths: &[PathBuf]) -> anyhow::Result<Loaded<Inputs>> {
     let concerns = concerns.flat_map(|record| record.concerns).collect();
     let inputs = Inputs { artifacts };
     inputs.refuse_a_mixture()?;
-    let test = inputs.record_if::<TestV1>("/test")?;
+    let test = inputs.record_if::<TestV1>("/test")?.map(Box::new);
     Ok(Loaded { input: inputs, digests, diagnosed: Diagnosed { diagnoses, concerns, test } })
 }
 

@@ -451,6 +451,8 @@ impl<'a> Text<'a> {
             sentences.extend(self.closest());
         } else if is_lacking && !self.run.models.is_empty() {
             sentences.push(self.identified());
+        } else if !self.run.test.has_structure() {
+            sentences.push(phrases.no_structure.to_owned());
         } else if !is_lacking {
             sentences.push(phrases.no_models_here.to_owned());
         }

@@ -63,9 +63,11 @@ pub fn kind_of(run: &Run) -> Kind {
     }
 }
 
-/// Whether there is a pulse without what a crush is computed from.
+/// Whether there is a pulse without what a crush is computed from. What has no structure lacks neither.
 pub fn lacks_mass_or_speed(run: &Run) -> bool {
-    run.acceleration().is_some() && (run.test.mass_kg.is_none() || run.test.impact_speed_m_per_s.is_none())
+    run.test.has_structure()
+        && run.acceleration().is_some()
+        && (run.test.mass_kg.is_none() || run.test.impact_speed_m_per_s.is_none())
 }
 
 /// Which of mass and impact speed is not stated, and what there is not for want of it.

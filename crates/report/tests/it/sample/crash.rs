@@ -36,6 +36,7 @@ pub(super) fn test() -> TestDescription {
         notes: vec!["the time column has 4 decimals".to_owned()],
         contact: None,
         exchange_asked: false,
+        kind: None,
     }
 }
 

@@ -41,7 +41,36 @@ pub const RULES: &[Rule] = &[
             None => Ok(()),
         },
     ),
+    says(
+        "note.simple-pulse",
+        "the simple pulse that fits best is a {wave}: it misses the pulse by {rms} RMS, {share} of its peak",
+        &[("rms", Number), ("share", Number)],
+        closest_wave,
+    ),
+    says("note.sled-pulse", "sled pulse {name} ({source}) is {verdict}: {demands}", &[], |_, spot| {
+        holds(!is_like_a_car(spot.made), || "nobody asked for one".to_owned())
+    }),
+    says("note.kind", "what was tested is a {kind} ({rule}): {more}", &[], |_, spot| {
+        holds(!is_like_a_car(spot.made), || "it is a car".to_owned())
+    }),
+    says("note.needs-neither", "mass and impact speed are not both stated: a {kind} needs neither", &[], |_, spot| {
+        holds(!is_like_a_car(spot.made), || "it is a car".to_owned())
+    }),
 ];
+
+/// What is said is the misfit of one of the simple pulses in the summary, and no other misses clearly less.
+fn closest_wave(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
+    let share = said.number("share").ok_or("no share of the peak")?;
+    let metrics = spot.made.summary["metrics"].as_object().into_iter().flatten();
+    let misfits: Vec<f64> = metrics
+        .filter(|(name, _)| name.starts_with("simple_pulse_"))
+        .filter_map(|(_, metric)| metric["value"].as_f64())
+        .collect();
+    let least = misfits.iter().copied().fold(f64::INFINITY, f64::min);
+    // Of those that miss at most 5 % more than the closest the simplest is named.
+    let is_one = misfits.iter().any(|misfit| share.is_of(*misfit) && *misfit <= 1.05 * least + 1e-6);
+    holds(is_one, || format!("{} of {misfits:?}", said.text("share")))
+}
 
 /// As many impacts as the summary lists.
 fn several_impacts(said: &Said, spot: &Spot<'_>) -> Result<(), String> {

@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::truth::known::Subject;
 use crate::truth::rules::rule::{
-    Rule, Spot, holds, is_rebound_cut, numbers_of_records, own_test, places_alone, rule, says, shows,
+    Rule, Spot, holds, is_like_a_car, is_rebound_cut, numbers_of_records, own_test, places_alone, rule, says, shows,
 };
 use crate::truth::run::{Shown, numbers};
 use crate::truth::template::Place::{At, Number, Said as Inner, Words};
@@ -332,6 +332,9 @@ pub const VEHICLE_RULES: &[Rule] = &[
     rule("conclusion.not_stated_speed", &[], |_, spot| states(spot, true, false)),
     rule("conclusion.measured_only", &[], |_, spot| {
         holds(spot.made.summary["events"].is_null(), || "there are events of a motion".to_owned())
+    }),
+    rule("conclusion.no_structure", &[], |_, spot| {
+        holds(!is_like_a_car(spot.made) && spot.made.list("/candidates").is_empty(), || "it is a car".to_owned())
     }),
     rule("conclusion.no_models_here", &[], |_, spot| {
         holds(spot.made.list("/candidates").is_empty(), || "there are candidates".to_owned())

@@ -1,0 +1,143 @@
+//! A motion without an impact of a vehicle: from rest, pushed, of a sled, of a pulse whose speed nobody states.
+
+use crumple_metrics::definitions::STROKE;
+use crumple_metrics::{Measured, Metric};
+use crumple_signal::{Acceleration, Channel, IntegrationRule, Signal, TestDescription, TestKind, integrate_twice};
+use crumple_stage::records::{ImpactsV1, MetricsV2, TestV1};
+use crumple_stage::{Inputs, Outcome, Output};
+
+use crate::stage::channels::{ChannelAgreement, integrate_others};
+use crate::stage::collision::{of_one_vehicle, other_vehicle, vehicles};
+use crate::stage::integration::{ChannelIntegration, acceleration};
+use crate::stage::occupants_and_roadside::Criteria;
+use crate::stage::options::{StageSettings, uncertainty_note};
+use crate::stage::pulse_shape::{pulse_shape, sled_pulse};
+use crate::stage::records::{impact_records, metric_record, metric_records, note_impacts, warn_unless_of_the_vehicle};
+
+/// Gain of velocity over the impact speed, up to which a pulse that pushes forward is a hit from behind: a frontal
+/// pulse of the wrong sign gains 1.0 to 1.35 times the impact speed.
+const PUSHED: f64 = 0.6;
+/// Less is no pulse: 3.6 km/h.
+const LEAST_GAIN_M_PER_S: f64 = 1.0;
+
+/// Whether a vehicle that moves at a stated speed gains velocity: it was struck from behind. A pulse of the wrong sign
+/// gains more, and was asked about.
+pub fn is_pushed(
+    input: &Inputs,
+    test: &TestDescription,
+    (pulse, speed_m_per_s): (&Channel, Option<f64>),
+) -> anyhow::Result<bool> {
+    let Some(speed) = speed_m_per_s.filter(|_| !test.exchange_asked) else { return Ok(false) };
+    let samples = acceleration(input, pulse)?;
+    let (whole, _) = integrate_twice(samples.samples(), samples.dt_s(), IntegrationRule::Trapezoid, 0.0, 0.0);
+    let v = &whole[samples.index_at_or_after(0.0).min(whole.len().saturating_sub(1))..];
+    let change = |of: fn(f64, f64) -> f64| v.iter().copied().reduce(of).map_or(0.0, |end| end - v[0]);
+    let (gain, loss) = (change(f64::max), -change(f64::min));
+    Ok(gain > loss && gain < PUSHED * speed && gain > LEAST_GAIN_M_PER_S)
+}
+
+/// Writes the change of velocity of the pulse, the metrics that need no impact, and criteria. The others are absent,
+/// with this as their reason. Where the speed at contact is known, velocity and displacement are; of what starts from
+/// rest, and of a sled, the stroke. A known end takes the drift out, of the change what is left without that speed.
+/// Later stages, whose models are of a structure that meets something, have nothing to work on.
+pub fn without_impact(
+    settings: &StageSettings,
+    input: &Inputs,
+    test: &TestDescription,
+    (pulse, speed_m_per_s): (&Channel, Option<f64>),
+    out: &mut Output,
+) -> anyhow::Result<Outcome> {
+    let samples = acceleration(input, pulse)?;
+    // What is pushed forward and has no speed stated starts from rest: a sled, a hit on a vehicle that stands.
+    let starts_from = speed_m_per_s.or(pushes_forward(&samples).then_some(0.0));
+    let task = ChannelIntegration {
+        settings,
+        input,
+        test,
+        // A motion from rest is its change of velocity.
+        impact_speed_m_per_s: speed_m_per_s.filter(|speed| *speed == 0.0),
+        change_from_m_per_s: starts_from,
+        most_replicates: usize::MAX,
+    };
+    let integrated = task.integrate(pulse, &samples, out)?;
+    warn_unless_of_the_vehicle(pulse, out.notes());
+    note_impacts(&integrated.events.impacts, out);
+    if let Some(uncertainty) = &integrated.uncertainty {
+        out.notes().info(uncertainty_note(uncertainty, None));
+    }
+    let mut metrics = metric_records(&pulse.id, &integrated);
+    let delta_v = integrated.metrics.iter().find(|metric| metric.name == "delta_v");
+    let delta_v = delta_v.and_then(|metric| Some((metric.value?, metric.window?.to_s)));
+    let over_ground = task.over_ground(&integrated.motion)?;
+    let has_stroke = starts_from == Some(0.0) || !test.has_structure();
+    let way = over_ground.as_ref().filter(|_| has_stroke).map(|(_, way)| way);
+    let stroke = delta_v.zip(way).and_then(|((_, time_s), way)| Some((way.at(time_s)?.abs(), time_s)));
+    metrics.extend(stroke.map(|(stroke_m, time_s)| {
+        metric_record(&[&pulse.id], &Metric::with_value(&STROKE, stroke_m).over(0.0, time_s))
+    }));
+    metrics.extend(pulse_shape(&pulse.id, &integrated, out));
+    let measured = Measured {
+        change_m_per_s: integrated.events.impacts.first().map_or(0.0, |impact| impact.change_m_per_s),
+        speed_m_per_s,
+        stroke_m: stroke.map(|(stroke_m, _)| stroke_m),
+    };
+    metrics.extend(sled_pulse(settings.corridor, pulse, &integrated, measured, out));
+    let vehicles = vehicles(input)?;
+    let own_test = of_one_vehicle(test, &vehicles, &pulse.id);
+    let mut others = ChannelAgreement::new(pulse, &integrated);
+    metrics.extend(integrate_others(&ChannelIntegration { test: &own_test, ..task }, pulse, &mut others, out)?);
+    if let Some((speed, (velocity, _))) = speed_m_per_s.zip(over_ground.as_ref()) {
+        metrics.extend(other_vehicle(&task, &vehicles, pulse, (speed, velocity), out)?);
+    }
+    metrics.extend(others.spread(out));
+    let criteria = Criteria { settings, input, test, pulse, impact_speed_m_per_s: None };
+    metrics.extend(criteria.records(out)?);
+
+    let change = delta_v.map_or_else(String::new, |(value, time_s)| {
+        format!(": change of velocity {value:.3} m/s at {:.1} ms", 1e3 * time_s)
+    });
+    let stroke = stroke.map_or_else(String::new, |(stroke_m, _)| format!(", stroke {:.0} mm", 1e3 * stroke_m));
+    let (speed_text, reason) = why_none(test, speed_m_per_s, starts_from);
+    out.summary(format!("pulse {}{change}{stroke}{speed_text}", pulse.id));
+    out.put("/test", &TestV1::from(test))?;
+    let impacts = impact_records(&integrated.events.impacts, None);
+    out.put("/impacts", &ImpactsV1 { channel: pulse.id.clone(), impacts })?;
+    out.put("/metrics", &MetricsV2 { metrics })?;
+    task.write(&pulse.id, integrated, out)?;
+    out.nothing_for_later_stages(reason);
+    Ok(Outcome::Done)
+}
+
+/// Whether a pulse ends faster than it begins, whatever drift does to it.
+fn pushes_forward(samples: &Signal<Acceleration>) -> bool {
+    let from = samples.index_at_or_after(0.0);
+    samples.samples().get(from..).unwrap_or_default().iter().sum::<f64>() > 0.0
+}
+
+/// What the summary says of the speed, and why there are no models.
+fn why_none(test: &TestDescription, speed: Option<f64>, starts_from: Option<f64>) -> (String, String) {
+    let kind = test.kind.as_ref().map(|of| of.kind).filter(|_| !test.has_structure());
+    let speed_text = match speed {
+        Some(0.0) => "; from rest".to_owned(),
+        Some(speed) if kind.is_some() => format!("; from {speed:.3} m/s"),
+        Some(_) => "; it is pushed forward".to_owned(),
+        None => "; no impact speed is stated".to_owned(),
+    };
+    let reason = match (kind, speed) {
+        (Some(TestKind::Component), _) => "a component without its mass has no model: --mass 30kg at ingest".to_owned(),
+        (Some(kind), _) => format!("a {} has no structure: it has no crush and no crush model", kind.name()),
+        (None, Some(0.0)) => FROM_REST.to_owned(),
+        (None, Some(_)) => "the pulse pushes the vehicle forward: it has no crush and no crush model".to_owned(),
+        // A vehicle pushed forward starts from rest: nobody has an impact speed to give.
+        (None, None) if starts_from.is_some() => UNSTATED_AND_FORWARD.to_owned(),
+        (None, None) => {
+            "no impact speed is stated, so there is no crush and no model of it: --impact-speed 35km/h at ingest"
+                .to_owned()
+        }
+    };
+    (speed_text, reason)
+}
+
+const FROM_REST: &str = "the motion starts from rest: it has no crush and no crush model";
+const UNSTATED_AND_FORWARD: &str = "no impact speed is stated and the pulse is positive, as of a sled or a hit from \
+    behind: a motion from rest has no crush and no crush model";
