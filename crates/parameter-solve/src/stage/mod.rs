@@ -16,7 +16,7 @@ use std::path::PathBuf;
 use crumple_lumped_fit::{Candidate, MassSplit, Method, all_in_words, match_as_the_paper_typed};
 use crumple_signal::{About, TestDescription, Weight};
 use crumple_stage::records::{EventsV1, TestV1};
-use crumple_stage::{Inputs, Loaded, Outcome, Output, Stage, Tests};
+use crumple_stage::{Inputs, LeftOut, Loaded, Outcome, Output, Stage, Tests};
 
 use crate::stage::assess::assess_all;
 use crate::stage::chains::fit_chains;
@@ -39,6 +39,11 @@ impl Stage for ParameterSolve {
     const ABOUT: &'static str = "Finds the springs and dampers of lumped crash models from the crash events and the \
          displacement of a test, or one model for several tests: each path then has the name of \
          its test in front, NAME:PATH.";
+    const LEFT_OUT: &'static [LeftOut] = &[LeftOut {
+        option: "time_zero_uncertainty",
+        value: "",
+        instead: "give it to ingest; it is propagated where mass-uncertainty, speed-uncertainty or bias-uncertainty is",
+    }];
     type Options = Options;
     type Settings = StageSettings;
     type Input = Tests;
@@ -56,6 +61,9 @@ impl Stage for ParameterSolve {
             Tests::One(input) => input,
             Tests::Several(tests) => return from_several(settings, tests, out),
         };
+        let described = input.record_if::<TestV1>("/test")?.is_some().then(|| input.test()).transpose()?;
+        let contact = described.and_then(|test| test.contact);
+        let settings = &settings.with_contact(contact.and_then(|contact| contact.uncertainty_s));
         let events = input.record_if::<EventsV1>("/events")?;
         let displacement = events.as_ref().map(|events| pulse_displacement(input, events)).transpose()?.flatten();
         let windowed = events.as_ref().and_then(|events| up_to_the_end_of_the_event(settings, events, out));

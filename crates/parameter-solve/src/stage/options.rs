@@ -237,10 +237,6 @@ pub struct Options {
     #[arg(long, value_name = "ACCELERATION")]
     pub bias_uncertainty: Option<Uncertain<Acceleration>>,
 
-    /// Uncertainty of time zero, e.g. "0.5 ms uniform": propagated likewise [default: 0 s]
-    #[arg(long, value_name = "TIME")]
-    pub time_zero_uncertainty: Option<Uncertain<Time>>,
-
     /// Add the solutions that a paper lists, from its own printed numbers and as it typed them, labelled: tfest (both
     /// splits of the mass; 284.6 kg for 284.4 kg in one equation) [default: none]
     #[arg(long, value_name = "PAPER", hide_possible_values = true)]

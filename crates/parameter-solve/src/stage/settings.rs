@@ -5,6 +5,7 @@ use crumple_lumped_fit::{
     AssessmentOptions, Distribution, FRONT_MASS_FRACTION, FireflyOptions, InputUncertainty, LShadeOptions, MODELS,
     MassFit, MassSplit, Method, ONE_MASS_RATE_S_PER_M, REPETITIONS, SelectionRules, SolveSettings, largest_draw,
 };
+use crumple_signal::Spread;
 use crumple_signal::value::{Mass, Time};
 use crumple_stage::{Usage, option};
 use serde::ser::SerializeMap;
@@ -159,6 +160,19 @@ fn front_mass_uncertainty(options: &Options) -> Result<f64, Usage> {
     }
 }
 
+impl StageSettings {
+    /// The same with the uncertainty of contact that the test states, where other inputs are uncertain.
+    pub fn with_contact(&self, uncertainty_s: Option<Spread>) -> Self {
+        let mut with = self.clone();
+        let inputs = &mut with.assessment.inputs;
+        if let Some(Spread { size, distribution }) = uncertainty_s.filter(|_| inputs.any()) {
+            inputs.contact_s = size;
+            inputs.distributions[3] = distribution;
+        }
+        with
+    }
+}
+
 /// What is assessed beyond the covariance, and how uncertain the inputs are.
 fn assessment_settings(options: &Options) -> Result<AssessmentSettings, Usage> {
     Ok(AssessmentSettings {
@@ -169,12 +183,13 @@ fn assessment_settings(options: &Options) -> Result<AssessmentSettings, Usage> {
             mass_kg: options.mass_uncertainty.map_or(0.0, |u| u.size.si()),
             impact_speed_m_per_s: options.speed_uncertainty.map_or(0.0, |u| u.size.si()),
             bias_m_per_s2: options.bias_uncertainty.map_or(0.0, |u| u.size.si()),
-            contact_s: options.time_zero_uncertainty.map_or(0.0, |u| u.size.si()),
+            // The test states it.
+            contact_s: 0.0,
             distributions: [
                 options.mass_uncertainty.map(|u| u.distribution).unwrap_or_default(),
                 options.speed_uncertainty.map(|u| u.distribution).unwrap_or_default(),
                 options.bias_uncertainty.map(|u| u.distribution).unwrap_or_default(),
-                options.time_zero_uncertainty.map(|u| u.distribution).unwrap_or_default(),
+                Distribution::default(),
             ],
         },
         repetitions: replicates("repetitions", options.repetitions.unwrap_or(REPETITIONS))?,
@@ -269,7 +284,6 @@ impl Serialize for StageSettings {
             ("mass_uncertainty_kg", asked.inputs.mass_kg),
             ("speed_uncertainty_m_per_s", asked.inputs.impact_speed_m_per_s),
             ("bias_uncertainty_m_per_s2", asked.inputs.bias_m_per_s2),
-            ("time_zero_uncertainty_s", asked.inputs.contact_s),
             ("plastic_prior", rules.plastic_prior),
             ("restitution_prior", rules.restitution_prior),
             ("restitution_deviation", rules.restitution_deviation),
@@ -312,7 +326,6 @@ impl AssessmentSettings {
             ("--mass-uncertainty", self.inputs.mass_kg),
             ("--speed-uncertainty", self.inputs.impact_speed_m_per_s),
             ("--bias-uncertainty", self.inputs.bias_m_per_s2),
-            ("--time-zero-uncertainty", self.inputs.contact_s),
         ];
         let switches = [("--profile", self.profile), ("--bootstrap", self.bootstrap > 0)];
         let switches = switches.into_iter().filter(|(_, given)| *given).map(|(flag, _)| flag);
@@ -420,7 +433,6 @@ mod tests {
             Options { mass_uncertainty: "10 kg".parse().ok(), ..Options::default() },
             Options { speed_uncertainty: "0.1 m/s".parse().ok(), ..Options::default() },
             Options { bias_uncertainty: "0.05 g uniform".parse().ok(), ..Options::default() },
-            Options { time_zero_uncertainty: "0.5 ms".parse().ok(), ..Options::default() },
             Options { repetitions: Some(50), ..Options::default() },
             Options { plastic_prior: Some(0.0), ..Options::default() },
             Options { restitution_prior: Some(0.1), ..Options::default() },

@@ -82,7 +82,7 @@ pub const SOLVER_VARIANTS: &[(&str, &str)] = &[
     (
         "uncertain",
         "--l-shade-evaluations=1000 --firefly-generations=20 --mass-uncertainty=15kg --speed-uncertainty=0.1km/h \
-         --bias-uncertainty=0.05g --time-zero-uncertainty=0.5ms --repetitions=20",
+         --bias-uncertainty=0.05g --repetitions=20",
     ),
     ("velocity", "--l-shade-evaluations=1000 --firefly-generations=20 --fit-quantity=velocity --fit-to=60ms"),
     ("acceleration", "--l-shade-evaluations=1000 --firefly-generations=20 --fit-quantity=acceleration --fit-from=2ms"),
@@ -124,7 +124,7 @@ pub const SOLVE_SENSORS: &[(&str, &str)] = &[
     (
         "uncertain",
         "--sensors=front=95 --models=double-spring-mass-damper,kelvin --method=closed-form,direct-fit \
-         --speed-uncertainty=0.1km/h --bias-uncertainty=0.05g --time-zero-uncertainty=0.2ms --repetitions=20",
+         --speed-uncertainty=0.1km/h --bias-uncertainty=0.05g --repetitions=20",
     ),
     ("refused", "--sensors=front=96"),
 ];
@@ -220,7 +220,7 @@ pub const INTEGRATE: &[(&str, &str)] = &[
     ("damage", "--damage-width=1.6m --residual-crush=520mm"),
     ("roadside", "--metrics=roadside"),
     ("intervals", "--speed-uncertainty=0.1km/h --gain-uncertainty=1% --zero-level-uncertainty=0.05g"),
-    ("seed", "--time-zero-uncertainty=0.5ms --uncertainty-replicates=50 --uncertainty-seed=4"),
+    ("seed", "--speed-uncertainty=0.2km/h --uncertainty-replicates=50 --uncertainty-seed=4"),
     ("refused-start", "--time-zero=9s"),
     ("usage-end", "--end-time=150ms"),
 ];

@@ -5,6 +5,7 @@
 mod bad_input;
 mod book;
 mod camry;
+mod clock_cases;
 mod determinism;
 mod earlier_runs;
 mod first_screen;
