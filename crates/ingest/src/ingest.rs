@@ -2,7 +2,7 @@
 
 use crumple_artifact::records::{DamageV1, VehicleV1};
 use crumple_metrics::{Exchange, Plausibility, plausibility};
-use crumple_signal::{About, Channel, Notes, Source, TestDescription, TestKind, Weight, part_of};
+use crumple_signal::{About, Channel, KindOfTest, Notes, Source, TestDescription, TestKind, Weight, part_of};
 
 use crate::checks::exchanges::Answer;
 use crate::checks::{channel_quality, exchanges};
@@ -156,7 +156,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
     let wave_of_pulse = waves.iter().find(|wave| Some(&wave.id) == pulse_id.as_ref());
     let of_body = wave_of_pulse.filter(|_| !is_of_occupant);
     let kind = kind::settle(&recording.details, code.as_deref(), of_body.zip(Some(speed)), &mut notes);
-    let certain = kind::certain(kind.as_ref());
+    let certain = kind.as_ref().and_then(kind::Found::certain);
     let polarity = Polarity::of(is_of_occupant, is_turned, certain, code.as_deref());
     let from_rest = matches!(polarity, Polarity::AsRead | Polarity::OfSled)
         && wave_of_pulse.is_some_and(|w| pulse::pushes_forward(&w.samples, w.quality.zero_level()));
@@ -167,7 +167,8 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
     let polarity = polarity.unless_asked(plausibility.as_ref());
     // Of inputs and outputs nobody asks for a mass.
     if pulse.is_some() || recording.details.no_pulse || is_of_a_crash(&recording.details, &choices) {
-        let no_vehicle = certain.filter(|kind| *kind != TestKind::Vehicle);
+        // A component has a structure once its mass is stated.
+        let no_vehicle = certain.filter(|kind| matches!(kind, TestKind::Sled | TestKind::Catapult));
         missing_details(&recording.details, reader.has_comments, (is_of_occupant, no_vehicle), from_rest, &mut notes);
     }
     channel_quality::check(&waves, pulse_id.as_deref(), speed, polarity, &mut notes);
@@ -200,7 +201,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
         notes: details.facts,
         contact,
         exchange_asked: false,
-        kind,
+        kind: kind.map(KindOfTest::from),
     };
     let closing_speed_m_per_s = details.closing_speed_m_per_s;
     Ok(Ingested { test, waves, damage, vehicles, closing_speed_m_per_s, plausibility, notes })

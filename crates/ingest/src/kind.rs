@@ -1,6 +1,8 @@
 //! What was tested: a vehicle, a sled, a catapult, a component. Stated, told by the code of the pulse, or proposed by
 //! it.
 
+use std::fmt;
+
 use crumple_signal::{IntegrationRule, KindOfTest, Notes, Sampled, TestKind, integrate_twice};
 
 use crate::recording::content::Wave;
@@ -21,6 +23,48 @@ const STANDS_S: f64 = 0.02;
 /// whole speed 0.6.
 const GONE: f64 = 0.75;
 
+/// What says what was tested.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Rule {
+    /// A flag, the sidecar, the header, by name.
+    Stated(String),
+    /// The ISO 13499 code of the pulse.
+    Code,
+    /// Its motion.
+    Proposed,
+}
+
+/// What was tested, and what says so.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Found {
+    kind: TestKind,
+    rule: Rule,
+}
+
+impl Found {
+    /// The kind that is stated or told by the code. What the pulse proposes may be a frontal pulse of the wrong sign, or
+    /// the vehicle of somebody who has not stated its mass: sign and mass are asked about as before.
+    pub fn certain(&self) -> Option<TestKind> {
+        (self.rule != Rule::Proposed).then_some(self.kind)
+    }
+}
+
+impl From<Found> for KindOfTest {
+    fn from(found: Found) -> Self {
+        Self { kind: found.kind, rule: found.rule.to_string() }
+    }
+}
+
+impl fmt::Display for Rule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Stated(from) => write!(f, "stated by {from}"),
+            Self::Code => f.write_str("the code of the pulse"),
+            Self::Proposed => f.write_str("proposed by the pulse"),
+        }
+    }
+}
+
 /// What was tested, as stated, as the code has it, or as the pulse of a body proposes from its speed; with a note where
 /// it is no vehicle.
 pub fn settle(
@@ -28,35 +72,27 @@ pub fn settle(
     code: Option<&str>,
     pulse: Option<(&Wave, Option<f64>)>,
     notes: &mut Notes,
-) -> Option<KindOfTest> {
+) -> Option<Found> {
     let proposed = || pulse.and_then(|(wave, speed)| proposed(wave, speed, details, code));
     let kind = stated(details, code).or_else(proposed);
     note(kind.as_ref(), notes);
     kind
 }
 
-/// The kind that is stated or told by the code. What the pulse proposes may be a frontal pulse of the wrong sign, or
-/// the vehicle of somebody who has not stated its mass: sign and mass are asked about as before.
-pub fn certain(kind: Option<&KindOfTest>) -> Option<TestKind> {
-    kind.filter(|of| of.rule != PROPOSED).map(|of| of.kind)
-}
-
-const PROPOSED: &str = "proposed by the pulse";
-
 /// As stated; else a sled where the ISO 13499 code of the pulse has the test object S.
-fn stated(details: &Details, code: Option<&str>) -> Option<KindOfTest> {
+fn stated(details: &Details, code: Option<&str>) -> Option<Found> {
     if let Some(stated) = &details.kind {
-        return Some(KindOfTest { kind: stated.value, rule: format!("stated by {}", stated.from) });
+        return Some(Found { kind: stated.value, rule: Rule::Stated(stated.from.to_string()) });
     }
     let is_sled = code.is_some_and(|code| code.starts_with('S'));
-    is_sled.then(|| KindOfTest { kind: TestKind::Sled, rule: "the code of the pulse".to_owned() })
+    is_sled.then_some(Found { kind: TestKind::Sled, rule: Rule::Code })
 }
 
 /// What the pulse proposes where nothing says that it is of a vehicle: no mass, no words on vehicle or barrier, no code
 /// of a vehicle. From rest, or without a speed, one that pushes forward to a velocity that lasts is a catapult. From a
 /// speed, one that stops without a rebound although its force has gone before is a sled with a brake or a programme. A
 /// force that is there at the stop may be a structure, whatever the rebound.
-fn proposed(wave: &Wave, speed_m_per_s: Option<f64>, details: &Details, code: Option<&str>) -> Option<KindOfTest> {
+fn proposed(wave: &Wave, speed_m_per_s: Option<f64>, details: &Details, code: Option<&str>) -> Option<Found> {
     let is_of_vehicle = details.mass_kg.is_some()
         || details.vehicle.is_some()
         || details.barrier.is_some()
@@ -66,7 +102,7 @@ fn proposed(wave: &Wave, speed_m_per_s: Option<f64>, details: &Details, code: Op
         return None;
     }
     let kind = by_motion(&wave.samples, wave.quality.zero_level().unwrap_or(0.0), speed_m_per_s.unwrap_or(0.0))?;
-    Some(KindOfTest { kind, rule: PROPOSED.to_owned() })
+    Some(Found { kind, rule: Rule::Proposed })
 }
 
 /// What a motion from contact on looks like, see [`proposed`].
@@ -90,10 +126,10 @@ fn by_motion(samples: &Sampled, zero_level: f64, speed_m_per_s: f64) -> Option<T
 }
 
 /// Says what a test is where it is no vehicle, and the flag that says otherwise.
-fn note(kind: Option<&KindOfTest>, notes: &mut Notes) {
-    let Some(KindOfTest { kind, rule }) = kind.filter(|of| of.kind != TestKind::Vehicle) else { return };
+fn note(found: Option<&Found>, notes: &mut Notes) {
+    let Some(Found { kind, rule }) = found.filter(|of| of.kind != TestKind::Vehicle) else { return };
     let other = match kind {
-        _ if rule.starts_with("stated") => "",
+        _ if matches!(rule, Rule::Stated(_)) => "",
         _ => "; --kind vehicle says that it is one",
     };
     let name = kind.name();

@@ -173,6 +173,10 @@ fn compare_centroid_times(motion: &Motion, crush: DynamicCrush, left_m_per_s: f6
         notes.info(text);
     } else {
         let at_contact = velocity.at(0.0).unwrap_or(*first_v);
+        if (at_contact - v0).abs().max(left_m_per_s) <= CENTROID_GAP * v0 {
+            notes.info(text + ": the record moves before contact");
+            return;
+        }
         notes.info(format!(
             "{text}: the velocity is {at_contact:.3} m/s at contact and {left_m_per_s:.3} m/s at the stop, the impact \
              speed {v0:.3} m/s"

@@ -47,13 +47,22 @@ pub struct Uncertainty {
     /// Samples that may be lost, first and last instant, s, as ingest saw them.
     #[serde(skip)]
     pub lost_s: Option<[f64; 2]>,
-    /// What the zero level may have moved by in the impact, m/s²: the level that the record ends with.
+    /// What the zero level may have moved by in the impact.
     #[serde(skip)]
-    pub zero_shift_m_per_s2: f64,
+    pub zero_shift: Option<ZeroShift>,
     /// Repetitions.
     pub replicates: usize,
     /// Seed of the random numbers.
     pub seed: u64,
+}
+
+/// A level that the record ends with, which the zero level before contact is not.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ZeroShift {
+    /// The level, m/s².
+    pub level_m_per_s2: f64,
+    /// When it has come at the latest, s: at the peak.
+    pub until_s: f64,
 }
 
 /// The inputs of one repetition, as differences from the stated ones.
@@ -85,7 +94,7 @@ const BESIDE_S: f64 = 0.005;
 const AFTER_REBOUND_S: f64 = 0.040;
 
 impl Uncertainty {
-    /// Whether anything is uncertain.
+    /// Whether an input is uncertain.
     pub fn is_any(&self) -> bool {
         let inputs = [self.impact_speed_m_per_s, self.zero_level_m_per_s2, self.gain, self.contact_s];
         inputs.into_iter().any(|input| input.is_some())
@@ -136,32 +145,33 @@ impl Uncertainty {
             && events.impacts.len() == 1
             && events.rebound.is_some_and(|rebound| end_s - rebound.time_s >= AFTER_REBOUND_S);
         let stated = largest_error(self.zero_level_m_per_s2);
-        let shift = quality.end_level.filter(|level| is_over && level.abs() > stated);
-        Self { lost_s: quality.lost_s(), zero_shift_m_per_s2: shift.unwrap_or(0.0), ..self }
+        let level = quality.end_level.filter(|level| is_over && level.abs() > stated);
+        let zero_shift = level
+            .zip(events.impacts.first())
+            .map(|(level_m_per_s2, impact)| ZeroShift { level_m_per_s2, until_s: impact.time_of_peak_s });
+        Self { lost_s: quality.lost_s(), zero_shift, ..self }
     }
 
     /// What the losses and the shift of a replicate add to the samples, m/s².
     fn repaired(&self, acceleration: &Signal<Acceleration>, by: &Perturbation) -> Option<Vec<f64>> {
-        if self.lost_s.is_none() && self.zero_shift_m_per_s2 == 0.0 {
+        if self.lost_s.is_none() && self.zero_shift.is_none() {
             return None;
         }
         let mut samples = acceleration.samples().to_vec();
         if let Some([from_s, to_s]) = self.lost_s {
+            // A filter has spread the hole to both sides.
             let beside = [from_s - BESIDE_S, to_s + BESIDE_S];
             if let [Some(before), Some(after)] = beside.map(|time_s| acceleration.at(time_s)) {
-                let lost = acceleration.index_at_or_after(from_s)..acceleration.index_at_or_after(to_s);
-                for (k, sample) in samples.iter_mut().enumerate().take(lost.end).skip(lost.start) {
+                let [first, end] = beside.map(|time_s| acceleration.index_at_or_after(time_s));
+                for (k, sample) in samples.iter_mut().enumerate().take(end).skip(first) {
                     let part = (acceleration.time_s(k) - beside[0]) / (beside[1] - beside[0]);
                     *sample += by.refilled * (before + part * (after - before) - *sample);
                 }
             }
         }
-        if self.zero_shift_m_per_s2 != 0.0 {
-            let first = acceleration.index_at_or_after(0.0);
-            let of_pulse = acceleration.samples().get(first..).unwrap_or_default();
-            let peak = (0..of_pulse.len()).max_by(|i, j| of_pulse[*i].abs().total_cmp(&of_pulse[*j].abs()))?;
-            let from = first + (by.shifted_from * peak as f64) as usize;
-            samples.iter_mut().skip(from).for_each(|sample| *sample -= by.shifted * self.zero_shift_m_per_s2);
+        if let Some(ZeroShift { level_m_per_s2, until_s }) = self.zero_shift {
+            let from = acceleration.index_at_or_after(by.shifted_from * until_s);
+            samples.iter_mut().skip(from).for_each(|sample| *sample -= by.shifted * level_m_per_s2);
         }
         Some(samples)
     }
@@ -290,6 +300,11 @@ pub fn propagate(
         let by = uncertainty.perturbation(index);
         let repaired = uncertainty.repaired(acceleration, &by).map(|samples| acceleration.with_samples(samples));
         let repaired = repaired.transpose().ok()?;
+        let last = acceleration.index_at_or_after(LONGEST_CONTACT_S);
+        let added_m_per_s = repaired.as_ref().map_or(0.0, |repaired| {
+            let pairs = repaired.samples()[..last].iter().zip(acceleration.samples());
+            (acceleration.dt_s() * pairs.map(|(with, without)| with - without).sum::<f64>()).abs()
+        });
         let motion = perturbed(repaired.as_ref().unwrap_or(acceleration), &settings, end, &by).ok()?;
         let v0 = settings.impact_speed_m_per_s + by.impact_speed_m_per_s;
         // A vehicle that stops without a rebound stops in every replicate: what the errors leave of its velocity, or
@@ -298,6 +313,7 @@ pub fn propagate(
         let left = uncertainty.largest_speed_error_m_per_s()
             + by.impact_speed_m_per_s.abs()
             + by.gain.abs() * v0
+            + added_m_per_s
             + by.zero_level_m_per_s2.abs() * lasted_s.max(0.0);
         let events = crash_events_within(&motion.velocity, &motion.displacement, left).ok()?;
         let metrics = pulse_metrics(&Pulse {

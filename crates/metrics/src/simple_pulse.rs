@@ -90,11 +90,12 @@ impl SimplePulse {
             Wave::Triangle { peak_m_per_s2, peak_s } => {
                 format!("triangle of {} at {} and {lasting}", g(peak_m_per_s2), ms(peak_s))
             }
-            Wave::Tesw { first_m_per_s2, last_m_per_s2 } => format!(
-                "tipped equivalent square wave from {} to {} within {lasting}",
-                g(first_m_per_s2),
-                g(last_m_per_s2)
-            ),
+            Wave::Tesw { first_m_per_s2, last_m_per_s2 } => {
+                // Positive is the way in which the pulse acts.
+                let sign = (first_m_per_s2 + last_m_per_s2).signum();
+                let [first, last] = [first_m_per_s2, last_m_per_s2].map(|a| sign * a / STANDARD_GRAVITY_M_PER_S2);
+                format!("tipped equivalent square wave from {first:.1} g to {last:.1} g within {lasting}")
+            }
             Wave::Trapezoid { peak_m_per_s2, rise_s, fall_s } => {
                 format!("trapezoid of {} from {} to {} and {lasting}", g(peak_m_per_s2), ms(rise_s), ms(fall_s))
             }
@@ -120,7 +121,7 @@ const FEWEST_SAMPLES: usize = 10;
 /// trapezoid, of which a triangle and a square wave are limits; the slope of a tipped equivalent square wave. For a
 /// straight line least squares with that change of velocity also keep the first moment `∫t·a dt`, and so the
 /// displacement over the duration: it is Huang's wave of equal velocity change, crush and time. Corners are found to
-/// 1e-8 of the duration: a wave gives itself back. A pulse with two humps, or with a tail that belongs to no contact,
+/// 1e-8 of the duration in up to 2000 samples: a wave gives itself back. A pulse with two humps, or with a tail that belongs to no contact,
 /// is none of them; what they miss says so.
 ///
 /// Huang, *Vehicle Crash Mechanics* (2002), chapter 2; Varat and Husher, ESV 18-501 (2003).
@@ -130,8 +131,9 @@ pub fn simple_pulses(acceleration: &Signal<Acceleration>, from_s: f64, to_s: f64
     let peak = |shape: &dyn Fn(f64) -> f64| stretch.change_m_per_s / stretch.integral(shape);
     let sine = |x: f64| (PI * x).sin();
     let haversine = |x: f64| (PI * x).sin().powi(2);
-    let corner = stretch.best_corners(|[x, _]| [x, x]);
-    let corners = stretch.best_corners(|[x, y]| [x.min(y), x.max(y)]);
+    let searched = stretch.thinned();
+    let corner = searched.best_corners(&[[-1.0; 2], [1.0; 2]], |x, y| x == y);
+    let corners = searched.best_corners(&WAYS, |x, y| y >= x);
     let [first_m_per_s2, last_m_per_s2] = stretch.line();
     let waves = [
         Wave::HalfSine { peak_m_per_s2: peak(&sine) },
@@ -191,6 +193,11 @@ struct Stretch {
 
 /// Places of each corner that are tried before the best is refined.
 const PLACES: usize = 24;
+/// Ways of a compass search of two corners.
+const WAYS: [[f64; 2]; 8] =
+    [[-1.0, -1.0], [-1.0, 0.0], [-1.0, 1.0], [0.0, -1.0], [0.0, 1.0], [1.0, -1.0], [1.0, 0.0], [1.0, 1.0]];
+/// Samples that corners are looked for in, at most: 20 in each step of the grid.
+const MOST_SEARCHED: usize = 2000;
 /// Smallest step of a corner, as a share of the duration: below it the sum of squares changes by rounding.
 const SMALLEST_STEP: f64 = 1e-9;
 
@@ -249,30 +256,44 @@ impl Stretch {
         [mean - slope * middle, mean + slope * (1.0 - middle)]
     }
 
-    /// The corners with the least squares among those that two numbers from 0 to 1 stand for: tried on a grid, then
-    /// refined by a compass search of eight directions.
-    fn best_corners(&self, corners: impl Fn([f64; 2]) -> [f64; 2]) -> [f64; 2] {
-        let cost = |place: [f64; 2]| {
-            let corners = corners(place);
+    /// The same with at most [`MOST_SEARCHED`] samples, so that a search does not take longer the faster a sensor is.
+    fn thinned(&self) -> Self {
+        let together = self.instants.len().div_ceil(MOST_SEARCHED);
+        let mean = |values: &[f64]| -> Vec<f64> {
+            let chunks = values.chunks(together).zip(self.weights_s.chunks(together));
+            chunks.map(|(x, w)| x.iter().zip(w).map(|(x, w)| x * w).sum::<f64>() / w.iter().sum::<f64>()).collect()
+        };
+        Self {
+            instants: mean(&self.instants),
+            accelerations: mean(&self.accelerations),
+            weights_s: self.weights_s.chunks(together).map(|w| w.iter().sum()).collect(),
+            ..*self
+        }
+    }
+
+    /// The corners with the least squares: tried on a grid where they are allowed, then refined by a compass search
+    /// along these ways.
+    fn best_corners(&self, ways: &[[f64; 2]], is_tried: impl Fn(f64, f64) -> bool) -> [f64; 2] {
+        let cost = |[x, y]: [f64; 2]| {
+            let corners = [x.min(y), x.max(y)];
             let peak = self.change_m_per_s / self.integral(&|x| trapezoid(x, corners));
             self.misfit(&|x| peak * trapezoid(x, corners))
         };
         let step = 1.0 / PLACES as f64;
         let places = || (0..=PLACES).map(|k| k as f64 * step);
-        let grid = places().flat_map(|x| places().filter(move |y| *y >= x).map(move |y| [x, y]));
+        let grid = places().flat_map(|x| places().map(move |y| [x, y])).filter(|[x, y]| is_tried(*x, *y));
         let tried = grid.map(|place| (cost(place), place));
         let (mut least, mut best) = tried.min_by(|(a, _), (b, _)| a.total_cmp(b)).unwrap_or((f64::INFINITY, [0.5; 2]));
         let mut step = step / 2.0;
         while step > SMALLEST_STEP {
-            let ways = [-1.0, 0.0, 1.0].map(|x| [-1.0, 0.0, 1.0].map(|y| [x, y]));
             let moved = |[x, y]: [f64; 2]| [(best[0] + x * step).clamp(0.0, 1.0), (best[1] + y * step).clamp(0.0, 1.0)];
-            let around = ways.as_flattened().iter().map(|way| moved(*way)).map(|place| (cost(place), place));
+            let around = ways.iter().map(|way| moved(*way)).map(|place| (cost(place), place));
             match around.min_by(|(a, _), (b, _)| a.total_cmp(b)).filter(|(lower, _)| *lower < least) {
                 Some(lower) => (least, best) = lower,
                 None => step /= 2.0,
             }
         }
-        corners(best)
+        [best[0].min(best[1]), best[0].max(best[1])]
     }
 }
 

@@ -61,7 +61,7 @@ pub fn moves_before_contact(acceleration: &Sampled) -> bool {
 /// The free fall or the braking before contact, if the level of an acceleration before it, `before`, is not that at
 /// rest.
 ///
-/// Braking: 0.05 g to 1 g off a steady level at the start of the record. 1 g against the pulse is a fall, 1 g along it a
+/// Braking: 0.05 g to 1 g off a steady level at the start of the record, and more than noise makes of it. 1 g against the pulse is a fall, 1 g along it a
 /// tyre that brakes at its limit.
 ///
 /// A sensor that feels gravity reads 0 in a fall and 1 g at rest; one that was zeroed at rest reads 1 g in a fall. Of
@@ -84,9 +84,11 @@ pub fn moving_start(samples: &Sampled, before: &PreEvent) -> Option<MovingStart>
         // A level that stays after the event is an offset, whatever came before it.
         let stays = last.is_some_and(|level| (level - before.zero_level).abs() < BRAKING_M_PER_S2);
         let off = |level: &f64| (level - before.zero_level).abs();
-        first.filter(|level| {
-            (BRAKING_M_PER_S2..STANDARD_GRAVITY_M_PER_S2 + SLACK_M_PER_S2).contains(&off(level)) && !stays
-        })
+        // Three deviations of the difference of two means.
+        let samples = [before.samples as f64, (FIRST_S / samples.dt_s()).max(1.0)];
+        let scatter = 3.0 * before.noise_floor * samples.map(f64::recip).iter().sum::<f64>().sqrt();
+        let least = BRAKING_M_PER_S2.max(scatter);
+        first.filter(|level| (least..STANDARD_GRAVITY_M_PER_S2 + SLACK_M_PER_S2).contains(&off(level)) && !stays)
     };
     falls.map(|level| start(Moving::Falls, level)).or_else(|| brakes().map(|level| start(Moving::Brakes, level)))
 }

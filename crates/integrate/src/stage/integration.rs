@@ -96,7 +96,7 @@ impl ChannelIntegration<'_> {
             impact_speed_m_per_s,
             low_pass_filtered: channel.cfc.is_some() || smoothed(self.input, &channel.id)?,
         };
-        let end = self.end_condition(acceleration.end_s());
+        let end = self.end_condition(acceleration);
         let (motion, drift) = match end {
             None => {
                 let progress = RefCell::new(out.progress("integrating", acceleration.len() as u64));
@@ -146,12 +146,17 @@ impl ChannelIntegration<'_> {
 
     /// What is known at the end, as the motion is integrated: of a change of velocity without what the speed at contact
     /// does.
-    fn end_condition(&self, record_ends_s: f64) -> Option<EndCondition> {
+    fn end_condition(&self, acceleration: &Signal<Acceleration>) -> Option<EndCondition> {
         let end = self.settings.end_condition?;
         let from = self.change_from_m_per_s.unwrap_or(0.0);
         let known = match end.known {
             KnownEnd::Velocity(velocity) => KnownEnd::Velocity(velocity - from),
-            KnownEnd::Displacement(way) => KnownEnd::Displacement(way - from * end.time_s.unwrap_or(record_ends_s)),
+            KnownEnd::Displacement(way) => {
+                // At the sample that the condition is met at.
+                let asked_s = end.time_s.unwrap_or(acceleration.end_s());
+                let met_s = acceleration.time_s(acceleration.index_at_or_after(asked_s));
+                KnownEnd::Displacement(way - from * met_s)
+            }
         };
         Some(EndCondition { known, ..end })
     }
@@ -194,7 +199,7 @@ impl ChannelIntegration<'_> {
             return None;
         }
         let mut progress = out.progress("repeating with perturbed inputs", uncertainty.replicates as u64);
-        let (end, mass_kg) = (self.end_condition(acceleration.end_s()), self.test.mass_kg);
+        let (end, mass_kg) = (self.end_condition(acceleration), self.test.mass_kg);
         Some(propagate(acceleration, motion, settings, end, mass_kg, uncertainty, |done| progress.advance(done)))
     }
 

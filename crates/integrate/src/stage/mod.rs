@@ -12,7 +12,7 @@ mod without_impact;
 
 use std::path::PathBuf;
 
-use crumple_metrics::Measured;
+use crumple_metrics::{Measured, first_event};
 use crumple_signal::{Channel, TestDescription};
 use crumple_stage::records::{MetricsV2, TestV1};
 use crumple_stage::{Inputs, LeftOut, Loaded, Outcome, Output, RefuseExt, Refused, Stage, flag, option};
@@ -100,8 +100,10 @@ impl Stage for Integrate {
         }
         let mut metrics = metric_records(&channel.id, &pulse);
         metrics.extend(pulse_shape(&channel.id, &pulse, out));
+        let impacts = &pulse.events.impacts;
         let measured = Measured {
-            change_m_per_s: -impact_speed_m_per_s,
+            change_m_per_s: -pulse.events.delta_v_m_per_s(impact_speed_m_per_s).unwrap_or(impact_speed_m_per_s),
+            is_whole: first_event(impacts).is_some_and(|k| impacts[k].is_whole),
             speed_m_per_s: Some(impact_speed_m_per_s),
             stroke_m: pulse.events.crush.map(|crush| crush.displacement_m),
         };

@@ -342,7 +342,7 @@ pub fn uncertainty(options: &Options) -> Result<Option<Uncertainty>, Usage> {
         contact_s: None,
         earlier_by_s: 0.0,
         lost_s: None,
-        zero_shift_m_per_s2: 0.0,
+        zero_shift: None,
         replicates: replicates as usize,
         seed: options.uncertainty_seed.unwrap_or(1),
     };
@@ -360,14 +360,13 @@ pub fn uncertainty_note(uncertainty: &Uncertainty, start: Option<UsedStart>) -> 
         ("contact", contact_s, 1e3, "ms"),
     ];
     let earlier_by_s = Some(uncertainty.earlier_by_s).filter(|lead_s| *lead_s > 0.0);
-    let shift = Some(uncertainty.zero_shift_m_per_s2).filter(|shift| *shift != 0.0);
     let seen = [
         earlier_by_s.map(|lead_s| format!("contact up to {:.0} ms earlier for a soft front", 1e3 * lead_s)),
         uncertainty
             .lost_s
             .map(|[from_s, to_s]| format!("samples that may be lost from {:.1} to {:.1} ms", 1e3 * from_s, 1e3 * to_s)),
-        shift.map(|shift| {
-            let level = shift / STANDARD_GRAVITY_M_PER_S2;
+        uncertainty.zero_shift.map(|shift| {
+            let level = shift.level_m_per_s2 / STANDARD_GRAVITY_M_PER_S2;
             format!("a zero level that may have moved by {level:+.2} g up to the peak, where the record ends with it")
         }),
     ];

@@ -1,10 +1,10 @@
 //! A motion without an impact of a vehicle: from rest, pushed, of a sled, of a pulse whose speed nobody states.
 
 use crumple_metrics::definitions::STROKE;
-use crumple_metrics::{Measured, Metric};
+use crumple_metrics::{Measured, Metric, first_event};
 use crumple_signal::{Acceleration, Channel, IntegrationRule, Signal, TestDescription, TestKind, integrate_twice};
 use crumple_stage::records::{ImpactsV1, MetricsV2, TestV1};
-use crumple_stage::{Inputs, Outcome, Output};
+use crumple_stage::{Inputs, Outcome, Output, Refused, option};
 
 use crate::stage::channels::{ChannelAgreement, integrate_others};
 use crate::stage::collision::{of_one_vehicle, other_vehicle, vehicles};
@@ -50,6 +50,12 @@ pub fn without_impact(
     let samples = acceleration(input, pulse)?;
     // What is pushed forward and has no speed stated starts from rest: a sled, a hit on a vehicle that stands.
     let starts_from = speed_m_per_s.or(pushes_forward(&samples).then_some(0.0));
+    if settings.end_condition.is_some() && starts_from.is_none() {
+        return Err(Refused::new("an end is known, and the speed at contact is not: the ends are over ground")
+            .expected("both, or none")
+            .hint(format!("state the speed: {}", option("ingest", "impact-speed", "50km/h")))
+            .into());
+    }
     let task = ChannelIntegration {
         settings,
         input,
@@ -76,8 +82,11 @@ pub fn without_impact(
         metric_record(&[&pulse.id], &Metric::with_value(&STROKE, stroke_m).over(0.0, time_s))
     }));
     metrics.extend(pulse_shape(&pulse.id, &integrated, out));
+    let impacts = &integrated.events.impacts;
+    let impact = first_event(impacts).map(|k| &impacts[k]);
     let measured = Measured {
-        change_m_per_s: integrated.events.impacts.first().map_or(0.0, |impact| impact.change_m_per_s),
+        change_m_per_s: impact.map_or(0.0, |impact| impact.change_m_per_s),
+        is_whole: impact.is_some_and(|impact| impact.is_whole),
         speed_m_per_s,
         stroke_m: stroke.map(|(stroke_m, _)| stroke_m),
     };

@@ -154,7 +154,7 @@ fn the_crush_of_a_vehicle_that_stops_dead_has_an_interval() {
         contact_s: None,
         earlier_by_s: 0.0,
         lost_s: None,
-        zero_shift_m_per_s2: 0.0,
+        zero_shift: None,
         replicates: 60,
         seed: 1,
     };

@@ -3,11 +3,12 @@
 use std::f64::consts::PI;
 
 use crumple_artifact::records::QualityV1;
-use crumple_integrate::{EVENT_NAMES, Intervals, Perturbation, Uncertainty, perturbed, propagate};
+use crumple_integrate::{EVENT_NAMES, Intervals, Perturbation, Uncertainty, ZeroShift, perturbed, propagate};
 use crumple_metrics::{CrashEvents, Pulse, crash_events, pulse_metrics};
 use crumple_signal::{
-    Acceleration, Distribution, DriftShape, EndCondition, IntegrationRule, IntegrationSettings, IntegrationStart,
-    KnownEnd, STANDARD_GRAVITY_M_PER_S2, Signal, Spread, integrate,
+    Acceleration, Cfc, Class, Distribution, DriftShape, EndCondition, FilterSettings, IntegrationRule,
+    IntegrationSettings, IntegrationStart, KnownEnd, STANDARD_GRAVITY_M_PER_S2, Signal, Spread, ZeroLevel, filter,
+    integrate,
 };
 
 const V0: f64 = 14.0;
@@ -176,7 +177,7 @@ fn uncertainty(distribution: Distribution) -> Uncertainty {
         contact_s: of(0.5e-3),
         earlier_by_s: 0.0,
         lost_s: None,
-        zero_shift_m_per_s2: 0.0,
+        zero_shift: None,
         replicates: N,
         seed: 1,
     }
@@ -360,6 +361,12 @@ fn samples_that_are_lost_widen_crush_and_delta_v_up_to_what_they_lack() {
         let lacking = whole.with_samples(lacking).unwrap();
         let told = Uncertainty { lost_s: Some([from_s, to_s]), ..stated.clone() };
         assert_eq!(holds_whole(&lacking, &told), [true; 2], "{from_s}");
+        for class in [Cfc::Cfc60, Cfc::Cfc180] {
+            let settings =
+                FilterSettings { class: Class::Cfc(class), zero_level: ZeroLevel::None, ..FilterSettings::default() };
+            let filtered = filter(&lacking.clone().into_sampled(), None, &settings).unwrap().samples;
+            assert_eq!(holds_whole(&filtered.into(), &told), [true; 2], "{from_s} {class:?}");
+        }
     }
 }
 
@@ -372,7 +379,8 @@ fn a_shift_of_the_zero_level_widens_delta_v_up_to_the_whole_of_it() {
             let whole = half_sine();
             let moved = |k: usize| whole.samples()[k] + if whole.time_s(k) > from_s { shift } else { 0.0 };
             let lacking = whole.with_samples((0..whole.len()).map(moved).collect()).unwrap();
-            let told = Uncertainty { zero_shift_m_per_s2: shift, ..stated.clone() };
+            let zero_shift = Some(ZeroShift { level_m_per_s2: shift, until_s: 0.05 });
+            let told = Uncertainty { zero_shift, ..stated.clone() };
             assert_eq!(holds_whole(&lacking, &told), [true; 2], "{level} g from {from_s}");
         }
     }
@@ -386,9 +394,10 @@ fn the_level_at_the_end_counts_as_a_shift_only_where_the_impact_is_over_and_it_i
     let largest = stated.zero_level_m_per_s2.unwrap().size;
     let seen = |end_level, end_s| {
         let quality = QualityV1 { end_level: Some(end_level), ..QualityV1::default() };
-        stated.clone().with_quality(&quality, &events, end_s).zero_shift_m_per_s2
+        let shift = stated.clone().with_quality(&quality, &events, end_s).zero_shift;
+        shift.map(|shift| shift.level_m_per_s2)
     };
-    assert_eq!(seen(3.0 * largest, separated_s + 0.05), 3.0 * largest);
-    assert_eq!(seen(3.0 * largest, separated_s + 0.03), 0.0);
-    assert_eq!(seen(0.9 * largest, separated_s + 0.05), 0.0);
+    assert_eq!(seen(3.0 * largest, separated_s + 0.05), Some(3.0 * largest));
+    assert_eq!(seen(3.0 * largest, separated_s + 0.03), None);
+    assert_eq!(seen(0.9 * largest, separated_s + 0.05), None);
 }
