@@ -42,8 +42,8 @@ pub struct Found {
 }
 
 impl Found {
-    /// The kind that is stated or told by the code. What the pulse proposes may be a frontal pulse of the wrong sign, or
-    /// the vehicle of somebody who has not stated its mass: sign and mass are asked about as before.
+    /// The kind that is stated or told by the code. What the pulse proposes may be a frontal pulse of the wrong sign,
+    /// or the vehicle of somebody who has not stated its mass: sign and mass are asked about as before.
     pub fn certain(&self) -> Option<TestKind> {
         (self.rule != Rule::Proposed).then_some(self.kind)
     }

@@ -63,8 +63,9 @@ const CENTROID_GAP: f64 = 1e-3;
 /// 7. the rebound is faster than the impact: a warning, no passive vehicle does that. A velocity that never gets below
 ///    zero is noted as a restitution of 0;
 /// 8. zeros of the velocity after the first, which are not used;
-/// 9. the centroid time `t_c = C/v0` beside `∫t·a dt/∫a dt` up to t_m. A gap above 0.1 % that the motion itself does not
-///    have is a warning about sampling or rule; one that it has comes from the velocities at contact and at the stop.
+/// 9. the centroid time `t_c = C/v0` beside `∫t·a dt/∫a dt` up to t_m. A gap above 0.1 % that the motion itself does
+///    not have is a warning about sampling or rule; one that it has comes from the velocities at contact and at the
+///    stop.
 ///
 /// `events` are those of `motion`; times in notes are in ms from contact.
 pub fn findings(motion: &Motion, events: &CrashEvents, impact_speed_m_per_s: f64) -> Notes {
@@ -148,9 +149,9 @@ pub fn findings(motion: &Motion, events: &CrashEvents, impact_speed_m_per_s: f64
     notes
 }
 
-/// The centroid time `C/v0` beside that of the pulse. By parts, from the start t0 of the integration to t_m, the pulse has
-/// `(t_m·v(t_m) - t0·v(t0) - x(t_m) + x(t0)) / (v(t_m) - v(t0))`, whatever the inputs are: only a gap from that is one of
-/// sampling or rule. `left_m_per_s`: v(t_m).
+/// The centroid time `C/v0` beside that of the pulse. By parts, from the start t0 of the integration to t_m, the pulse
+/// has `(t_m·v(t_m) - t0·v(t0) - x(t_m) + x(t0)) / (v(t_m) - v(t0))`, whatever the inputs are: only a gap from that is
+/// one of sampling or rule. `left_m_per_s`: v(t_m).
 fn compare_centroid_times(motion: &Motion, crush: DynamicCrush, left_m_per_s: f64, v0: f64, notes: &mut Notes) {
     let (velocity, displacement) = (&motion.velocity, &motion.displacement);
     let from_s = velocity.t0_s();
@@ -324,7 +325,8 @@ mod tests {
         assert_eq!(notes[1], "centroid time: 1000.000 ms from C/v0, 1000.000 ms from the pulse, +0.000 % apart");
     }
 
-    /// The notes on the centroid of a half sine of 90 ms and 14 m/s, sampled at an interval, with a level before contact.
+    /// The notes on the centroid of a half sine of 90 ms and 14 m/s, sampled at an interval, with a level before
+    /// contact.
     fn of_centroid(dt_s: f64, level_before: f64) -> Vec<String> {
         let peak = 1.1 * 14.0 * std::f64::consts::PI / (2.0 * 0.09);
         let at = |t: f64| match t {

@@ -84,7 +84,8 @@ pub struct Perturbation {
     pub shifted_from: f64,
 }
 
-/// Shares of a loss or a shift that a replicate takes off: none of it and all of it lie inside the 5 % and 95 % quantiles.
+/// Shares of a loss or a shift that a replicate takes off: none of it and all of it lie inside the 5 % and 95 %
+/// quantiles.
 fn share_taken(random: &mut RandomNumbers) -> f64 {
     1.3 * random.uniform() - 0.15
 }

@@ -121,8 +121,8 @@ const FEWEST_SAMPLES: usize = 10;
 /// trapezoid, of which a triangle and a square wave are limits; the slope of a tipped equivalent square wave. For a
 /// straight line least squares with that change of velocity also keep the first moment `∫t·a dt`, and so the
 /// displacement over the duration: it is Huang's wave of equal velocity change, crush and time. Corners are found to
-/// 1e-8 of the duration in up to 2000 samples: a wave gives itself back. A pulse with two humps, or with a tail that belongs to no contact,
-/// is none of them; what they miss says so.
+/// 1e-8 of the duration in up to 2000 samples: a wave gives itself back. A pulse with two humps, or with a tail that
+/// belongs to no contact, is none of them; what they miss says so.
 ///
 /// Huang, *Vehicle Crash Mechanics* (2002), chapter 2; Varat and Husher, ESV 18-501 (2003).
 pub fn simple_pulses(acceleration: &Signal<Acceleration>, from_s: f64, to_s: f64) -> Vec<SimplePulse> {

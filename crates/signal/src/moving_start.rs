@@ -61,8 +61,8 @@ pub fn moves_before_contact(acceleration: &Sampled) -> bool {
 /// The free fall or the braking before contact, if the level of an acceleration before it, `before`, is not that at
 /// rest.
 ///
-/// Braking: 0.05 g to 1 g off a steady level at the start of the record, and more than noise makes of it. 1 g against the pulse is a fall, 1 g along it a
-/// tyre that brakes at its limit.
+/// Braking: 0.05 g to 1 g off a steady level at the start of the record, and more than noise makes of it. 1 g against
+/// the pulse is a fall, 1 g along it a tyre that brakes at its limit.
 ///
 /// A sensor that feels gravity reads 0 in a fall and 1 g at rest; one that was zeroed at rest reads 1 g in a fall. Of
 /// both, what the body accelerates is the reading less the level at rest. The rest is looked for at the start of the

@@ -211,9 +211,9 @@ pub fn measure(wave: &Sampled, time_jitter: f64, feels_gravity: bool) -> Quality
     Quality { pre_event, feels_gravity, moving, record }
 }
 
-/// A value that is lost, or cut off, lies this many steps of the sensor from its neighbours. A motion that is rounded to
-/// steps stays below: the top of a parabola that rounds to one value over L samples falls by at most 4 steps in the next
-/// L/2, noise of a step each way adds 2.
+/// A value that is lost, or cut off, lies this many steps of the sensor from its neighbours. A motion that is rounded
+/// to steps stays below: the top of a parabola that rounds to one value over L samples falls by at most 4 steps in the
+/// next L/2, noise of a step each way adds 2.
 const STEPS_OF_A_JUMP: f64 = 6.0;
 /// Differences below this share of the range are rounding of a unit, no step.
 const ROUNDING: f64 = 1e-9;
@@ -273,8 +273,8 @@ fn end_level(wave: &Sampled, zero: f64) -> Option<f64> {
     Some(window.iter().sum::<f64>() / window.len() as f64 - zero).filter(|level| level.is_finite())
 }
 
-/// The longest run of equal samples at an extreme, where a recorder ran into its range. An extreme near the zero level is
-/// the quiet part of a one-sided pulse and not counted: it must lie at least a tenth of the range away. Nor is a top
+/// The longest run of equal samples at an extreme, where a recorder ran into its range. An extreme near the zero level
+/// is the quiet part of a one-sided pulse and not counted: it must lie at least a tenth of the range away. Nor is a top
 /// that a coarse sensor rounds: half a run away from it, the samples are then still near.
 fn clipped_run(samples: &[f64], minimum: f64, maximum: f64, zero: f64, step: f64) -> u64 {
     let far = 0.1 * (maximum - minimum);

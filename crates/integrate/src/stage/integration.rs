@@ -161,8 +161,8 @@ impl ChannelIntegration<'_> {
         Some(EndCondition { known, ..end })
     }
 
-    /// The uncertainty of the inputs: that of the options, that of contact as the test states it, and what ingest saw of
-    /// the channel. `None` where nothing is uncertain.
+    /// The uncertainty of the inputs: that of the options, that of contact as the test states it, and what ingest saw
+    /// of the channel. `None` where nothing is uncertain.
     fn uncertainty(&self, id: &str, events: &CrashEvents, end_s: f64) -> anyhow::Result<Option<Uncertainty>> {
         let Some(stated) = self.settings.uncertainty.clone() else { return Ok(None) };
         let contact = self.test.contact.as_ref();

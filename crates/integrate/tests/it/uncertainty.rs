@@ -340,7 +340,8 @@ fn a_value_that_some_replicates_do_not_have_has_no_interval() {
     assert!(found.metrics[0].is_some());
 }
 
-/// What a record that lacks something says of the whole half sine: crush, delta-v, and whether both intervals hold them.
+/// What a record that lacks something says of the whole half sine: crush, delta-v, and whether both intervals hold
+/// them.
 fn holds_whole(lacking: &Signal<Acceleration>, stated: &Uncertainty) -> [bool; 2] {
     let whole = events(&half_sine(), IntegrationStart::RecordStart, Perturbation::default());
     let truth = [(0, whole.crush.unwrap().displacement_m), (5, whole.delta_v_m_per_s(V0).unwrap())];

@@ -180,8 +180,8 @@ pub fn misses_time_or_rebound(made: &Made, candidate: &Value) -> Option<String> 
     is_off.then(|| format!("its restitution is off by {off:.2}"))
 }
 
-/// Whether a force above 1 g still acts on a vehicle that rebounds where the record ends: what its velocity changes by in
-/// the last 4.4 ms, the window of CFC 60.
+/// Whether a force above 1 g still acts on a vehicle that rebounds where the record ends: what its velocity changes by
+/// in the last 4.4 ms, the window of CFC 60.
 pub fn is_rebound_cut(made: &Made) -> bool {
     let velocity = made.waves.get(&format!("{}/velocity", made.text("/test/channel")));
     velocity.is_some_and(|wave| {
