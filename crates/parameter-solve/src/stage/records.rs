@@ -2,11 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use crumple_artifact::WriteError;
 use crumple_lumped::{Model, Parameter, ParameterKind};
 use crumple_lumped_fit::{
     Assessed, BlockBootstrap, Candidate, Fit, Matched, Minimum, Profile, Propagation, SensorFit, Uncertainty,
     all_in_words,
 };
+use crumple_signal::{About, Weight};
 use crumple_stage::Output;
 use crumple_stage::records::{
     CandidateV1, FitV1, MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1, PhysicalCoordinatesV1,
@@ -24,20 +26,28 @@ pub struct AssessedCandidate<'a> {
 }
 
 /// Writes `/parameters/<id>` of every candidate, fitted to sensors of which `channel` is the pulse, and what a person
-/// should hear at once.
+/// should hear at once. One with a number that no record holds is left out, for a reason that the notes say.
 pub fn write_candidates<'a>(
     candidates: &'a [Candidate],
     channel: &str,
     out: &mut Output,
 ) -> anyhow::Result<Vec<AssessedCandidate<'a>>> {
-    let write = |candidate: &'a Candidate| {
-        let written = AssessedCandidate { candidate, record: record(candidate, channel) };
-        out.put(&format!("/parameters/{}", candidate.id()), &written.record)?;
-        out.summary(parameters_line(&written));
+    let mut written = Vec::new();
+    for candidate in candidates {
+        let one = AssessedCandidate { candidate, record: record(candidate, channel) };
+        if let Err(error) = out.put(&format!("/parameters/{}", candidate.id()), &one.record) {
+            // A wild root takes no other candidate with it.
+            let Some(WriteError::Impossible { field, value, .. }) = error.downcast_ref() else { return Err(error) };
+            let id = candidate.id();
+            let text = format!("{id} is left out: its {field} is {value:e}, which is no number of a vehicle");
+            out.notes().concern(About::Model(id), Weight::Slight, text);
+            continue;
+        }
+        out.summary(parameters_line(&one));
         summary_text(candidate).into_iter().for_each(|text| out.summary(text));
-        Ok(written)
-    };
-    candidates.iter().map(write).collect()
+        written.push(one);
+    }
+    Ok(written)
 }
 
 fn record(candidate: &Candidate, channel: &str) -> CandidateV1 {

@@ -444,4 +444,13 @@ mod tests {
             assert_ne!(json(options), default);
         }
     }
+
+    #[test]
+    fn the_contact_of_the_test_is_uncertain_where_another_input_is() {
+        let of_test = Some(Spread { size: 5e-4, distribution: Distribution::Uniform });
+        let with = |options: Options| StageSettings::try_from(options).unwrap().with_contact(of_test).assessment.inputs;
+        assert!(!with(Options::default()).any());
+        let inputs = with(Options { mass_uncertainty: "10 kg".parse().ok(), ..Options::default() });
+        assert_eq!((inputs.contact_s, inputs.distributions[3]), (5e-4, Distribution::Uniform));
+    }
 }

@@ -15,5 +15,6 @@ mod just_run;
 mod known_truth_chain;
 mod main_job;
 mod page;
+mod paper_pipelines;
 mod schemas;
 mod together;

@@ -15,6 +15,15 @@ const AS_MEASURED: f64 = 2.0;
 
 /// The sentences.
 pub const RULES: &[Rule] = &[
+    says(
+        "note.left-out",
+        "{id} is left out: its {field} is {value}, which is no number of a vehicle",
+        &[],
+        |said, _| {
+            let value = said.text("value");
+            holds(value.parse::<f64>().is_ok_and(|value| value.abs() >= 1e15), || format!("{value} can be written"))
+        },
+    ),
     says("note.start-of-sum", "{id}: at its start the sum is {value}, its slope {slope}", &[], start_of_sum),
     rule(
         "conclusion.use_model",
