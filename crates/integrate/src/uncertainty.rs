@@ -1,12 +1,13 @@
 //! How far the uncertainty of the inputs moves motion, events and metrics: repetitions with perturbed inputs.
 
 use crumple_metrics::{
-    CrashEvents, Interval, Metric, Pulse, centroid_time_from_crush, crash_events_within, definitions, pulse_metrics,
+    CrashEvents, Interval, Metric, Pulse, PulseImpact, centroid_time_from_crush, crash_events_within, definitions,
+    pulse_metrics,
 };
 use crumple_numerics::estimation::random::RandomNumbers;
 use crumple_signal::{
     Acceleration, Distribution, EndCondition, IntegrateError, IntegrationSettings, IntegrationStart, LateRecord,
-    Motion, Signal, Spread, UsedStart, integrate_from, without_drift,
+    Motion, STANDARD_GRAVITY_M_PER_S2, Signal, Spread, UsedStart, integrate_from, without_drift,
 };
 use crumple_stage::records::QualityV1;
 use rayon::prelude::*;
@@ -87,12 +88,12 @@ pub struct Perturbation {
 /// Shares of a loss or a shift that a replicate takes off: none of it and all of it lie inside the 5 % and 95 %
 /// quantiles.
 fn share_taken(random: &mut RandomNumbers) -> f64 {
-    1.3 * random.uniform() - 0.15
+    1.4 * random.uniform() - 0.2
 }
 /// How far beside lost samples a filtered record is read, s: the response of CFC 60 has passed 98 % of a step there.
 const BESIDE_S: f64 = 0.005;
-/// From here on a record shows whether the zero level moved: the 20 ms of its end and as many after the rebound, s.
-const AFTER_REBOUND_S: f64 = 0.040;
+/// So long after the impact a record shows whether the zero level moved: the 20 ms of its end and as many before, s.
+const AFTER_IMPACT_S: f64 = 0.040;
 
 impl Uncertainty {
     /// Whether an input is uncertain.
@@ -130,10 +131,10 @@ impl Uncertainty {
             impact_speed_m_per_s,
             zero_level_m_per_s2,
             gain,
-            later_s: of_clock_s - self.earlier_by_s * soft_front(&mut random),
+            later_s: of_clock_s - self.earlier_by_s * none_for_half(&mut random),
             refilled: share_taken(&mut random),
             shifted: share_taken(&mut random),
-            shifted_from: random.uniform(),
+            shifted_from: none_for_half(&mut random),
         }
     }
 
@@ -141,14 +142,14 @@ impl Uncertainty {
     /// that goes on after its only impact, where that is more than the stated error of the zero level. A drag after the
     /// impact reads like a shift: the intervals hold both.
     pub fn with_quality(self, quality: &QualityV1, events: &CrashEvents, end_s: f64) -> Self {
-        // What falls or brakes before contact does so afterwards.
-        let is_over = quality.rest_level.is_none()
-            && events.impacts.len() == 1
-            && events.rebound.is_some_and(|rebound| end_s - rebound.time_s >= AFTER_REBOUND_S);
+        // What falls or brakes before contact does so afterwards. A force of 1 g and more is an impact.
+        let is_over = |impact: &PulseImpact| impact.is_whole && end_s - impact.end_s >= AFTER_IMPACT_S;
+        let only = <&[PulseImpact; 1]>::try_from(events.impacts.as_slice()).ok().map(|[only]| only);
+        let impact = only.filter(|impact| quality.rest_level.is_none() && is_over(impact));
         let stated = largest_error(self.zero_level_m_per_s2);
-        let level = quality.end_level.filter(|level| is_over && level.abs() > stated);
+        let level = quality.end_level.filter(|level| (stated..STANDARD_GRAVITY_M_PER_S2).contains(&level.abs()));
         let zero_shift = level
-            .zip(events.impacts.first())
+            .zip(impact)
             .map(|(level_m_per_s2, impact)| ZeroShift { level_m_per_s2, until_s: impact.time_of_peak_s });
         Self { lost_s: quality.lost_s(), zero_shift, ..self }
     }
@@ -186,9 +187,9 @@ fn largest_error(spread: Option<Spread>) -> f64 {
     })
 }
 
-/// Share of the largest lead of a soft front, from the numbers after those of the inputs: none for half of the draws, a
-/// sensor on what was hit or a stiff front; else any.
-fn soft_front(random: &mut RandomNumbers) -> f64 {
+/// A share that is none for half of the draws, else any: of the largest lead of a soft front (none: a sensor on what was
+/// hit, a stiff front), of the time to the peak after which the zero level moves (none: it moves at contact).
+fn none_for_half(random: &mut RandomNumbers) -> f64 {
     (2.0 * random.uniform() - 1.0).max(0.0)
 }
 

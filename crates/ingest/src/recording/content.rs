@@ -352,7 +352,7 @@ mod tests {
 
     #[test]
     fn equal_samples_of_a_coarse_sensor_are_neither_lost_nor_clipped() {
-        let cases = [0.001, 0.05, 0.2, 0.5, 1.0, 2.0].into_iter().flat_map(|step| [(step, 0.1), (step, 0.0)]);
+        let cases = [0.001, 0.05, 0.2, 0.5, 1.0].into_iter().flat_map(|step| [(step, 0.1), (step, 0.0)]);
         for (step, noise_g) in cases {
             let half_sine = |step: f64, change: fn(f64, f64) -> f64| half_sine(step, noise_g, change);
             let quality = half_sine(step, |_, a| a);

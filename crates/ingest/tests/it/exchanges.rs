@@ -126,21 +126,21 @@ fn nothing_is_asked_of_right_records() {
 #[test]
 fn a_fall_before_contact_is_named_and_an_offset_is_not() {
     // Rest until -150 ms, a fall until contact, 20 ms of 50 g, rest.
-    let text = |fall: f64| {
+    let text = |fall: f64, sign: f64| {
         let row = |k: i32| {
             let t = f64::from(k) * 1e-3;
             let pulse = if (0.0..0.02).contains(&t) { 50.0 * (std::f64::consts::PI * t / 0.02).sin() } else { 0.0 };
             let level = if (-0.15..0.0).contains(&t) { fall } else { 0.0 };
-            format!("{t:.3},{:.5}\n", 0.3 + level + pulse + 0.01 * (f64::from(k) * 1.7).sin())
+            format!("{t:.3},{:.5}\n", 0.3 + sign * (level + pulse) + 0.01 * (f64::from(k) * 1.7).sin())
         };
         format!("time_s,acc_z_g\n{}", (-250..400).map(row).collect::<String>())
     };
     let notes_of = |text: &str| read(text, "").notes.iter().cloned().collect::<Vec<_>>();
-    for fall in [-1.0, 1.0] {
-        let notes = notes_of(&text(fall));
-        let words = format!("free fall before contact: its level is {fall:+.2} g off the level at rest");
+    for sign in [1.0, -1.0] {
+        let notes = notes_of(&text(-1.0, sign));
+        let words = format!("free fall before contact: its level is {:+.2} g off the level at rest", -sign);
         let note = notes.iter().find(|note| note.text.contains(&words)).unwrap_or_else(|| panic!("{notes:#?}"));
         assert_eq!(note.bearing.as_ref().map(|bearing| &bearing.about), Some(&About::Pulse));
     }
-    assert!(!notes_of(&text(0.0)).iter().any(|note| note.text.contains("free fall")));
+    assert!(!notes_of(&text(0.0, 1.0)).iter().any(|note| note.text.contains("free fall")));
 }

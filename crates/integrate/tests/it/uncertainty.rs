@@ -374,7 +374,7 @@ fn samples_that_are_lost_widen_crush_and_delta_v_up_to_what_they_lack() {
 #[test]
 fn a_shift_of_the_zero_level_widens_delta_v_up_to_the_whole_of_it() {
     let stated = uncertainty(Distribution::Uniform);
-    for level in [0.3, -1.0] {
+    for level in [0.3, -0.9] {
         for from_s in [0.0, 0.03, 0.05] {
             let shift = level * STANDARD_GRAVITY_M_PER_S2;
             let whole = half_sine();
@@ -401,4 +401,12 @@ fn the_level_at_the_end_counts_as_a_shift_only_where_the_impact_is_over_and_it_i
     assert_eq!(seen(3.0 * largest, separated_s + 0.05), Some(3.0 * largest));
     assert_eq!(seen(3.0 * largest, separated_s + 0.03), None);
     assert_eq!(seen(0.9 * largest, separated_s + 0.05), None);
+    // A force.
+    assert_eq!(seen(1.1 * STANDARD_GRAVITY_M_PER_S2, separated_s + 0.05), None);
+    // The record ends in the impact.
+    let whole = half_sine();
+    let cut = Signal::from(whole.slice(0, whole.index_at_or_after(0.09)));
+    let events = self::events(&cut, IntegrationStart::RecordStart, Perturbation::default());
+    let quality = QualityV1 { end_level: Some(3.0 * largest), ..QualityV1::default() };
+    assert_eq!(stated.with_quality(&quality, &events, separated_s + 0.05).zero_shift, None);
 }
