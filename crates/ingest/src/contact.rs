@@ -25,6 +25,10 @@ const LATE_S: f64 = 0.005;
 const EARLY_S: f64 = 0.001;
 /// The same in deviations of the onset: 0.1 % of contacts at t = 0.
 const EARLY_DEVIATIONS: f64 = 3.0;
+/// Deviations of a normal error that a 90 % interval reaches to.
+const NINETY_PERCENT: f64 = 1.645;
+/// An interval that is to hold a second contact reaches this much further: its end lies inside, not on it.
+const HOLDS: f64 = 1.1;
 /// A pulse that begins so long after a time that somebody stated is asked about, s: 0.28 m at 50 km/h.
 const LATE_FOR_A_STATEMENT_S: f64 = 0.02;
 
@@ -153,7 +157,19 @@ fn automatic(
     let early_s = EARLY_S.max(slack_s);
     let fits = (-early_s..=LATE_S.max(slack_s)).contains(&time_s) || (time_s < 0.0 && !acts_before(wave, 0.0, time_s));
     if has_zero && fits {
-        return of_file(notes);
+        let contact = of_file(notes)?;
+        let known_s = slack_s.max(2.0 * deviation_of(stated));
+        if time_s <= known_s {
+            return Some(contact);
+        }
+        // A soft front, or a t = 0 that is not contact: nothing tells, and the intervals hold both.
+        notes.info(format!(
+            "the pulse begins {:.1} ms after time zero: contact may be as late, and the intervals hold it",
+            1e3 * time_s
+        ));
+        let size = (HOLDS * time_s / NINETY_PERCENT).hypot(deviation_of(stated));
+        let uncertainty_s = Some(Spread { size, distribution: Distribution::Normal });
+        return Some(Contact { uncertainty_s, ..contact });
     }
     // The error of the onset and that of the clock are independent.
     let deviation_s = deviation_s.hypot(deviation_of(stated));
@@ -166,7 +182,7 @@ fn automatic(
             "contact is taken at {:.1} ms of the file, where the pulse begins (+-{:.1} ms): nothing in the file states \
              it. A soft front may have touched up to {:.0} ms earlier. --time-zero {:.3}ms states it",
             1e3 * source_time_s,
-            1e3 * 1.645 * deviation_s,
+            1e3 * NINETY_PERCENT * deviation_s,
             1e3 * SOFT_FRONT_S,
             1e3 * source_time_s,
         ),

@@ -243,15 +243,12 @@ pub fn question_speed(motion: &Motion, events: &CrashEvents, impact_speed_m_per_
             100.0 * e,
             100.0 * largest_restitution(v0)
         )),
-        // The next impact may stop it.
-        (None, Some(unstopped)) if unstopped.end != EventEnd::Contact => {
+        // The next impact, or what the record does not show any more, may stop it.
+        (None, Some(unstopped)) if unstopped.end == EventEnd::Quiet => {
             let end = motion.velocity.samples().last().copied().unwrap_or(v0);
-            let or_else = match unstopped.end {
-                EventEnd::Record => "whether the record ends too early",
-                EventEnd::Quiet | EventEnd::Contact => "whether the impact was glancing or the partner gave way",
-            };
             Some(format!(
-                "{stated}: the car would not stop, it would still move at {:.0} km/h. {fits} {or_else}",
+                "{stated}: the car would not stop, it would still move at {:.0} km/h. {fits} whether the impact was \
+                 glancing or the partner gave way",
                 3.6 * end
             ))
         }

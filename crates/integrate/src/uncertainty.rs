@@ -187,8 +187,8 @@ fn largest_error(spread: Option<Spread>) -> f64 {
     })
 }
 
-/// A share that is none for half of the draws, else any: of the largest lead of a soft front (none: a sensor on what was
-/// hit, a stiff front), of the time to the peak after which the zero level moves (none: it moves at contact).
+/// A share that is none for half of the draws, else any: of the largest lead of a soft front (none: a sensor on what
+/// was hit, a stiff front), of the time to the peak after which the zero level moves (none: it moves at contact).
 fn none_for_half(random: &mut RandomNumbers) -> f64 {
     (2.0 * random.uniform() - 1.0).max(0.0)
 }

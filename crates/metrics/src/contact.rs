@@ -171,6 +171,18 @@ pub fn onset(acceleration: &Sampled) -> Beginning {
     rise(acceleration, acceleration.index_at_or_after(held_s), level, before)
 }
 
+/// Where the force of an impact ends: the [onset] of the reversed record from its strongest instant to 50 ms behind
+/// `end_s`, on the record's axis. `None` where its fall is not in the record.
+pub fn end_of_force(acceleration: &Sampled, peak_s: f64, end_s: f64) -> Option<Onset> {
+    let (first, last) = (acceleration.index_at_or_after(peak_s), acceleration.index_at_or_after(end_s + LEVEL_S));
+    let fall = acceleration.slice(first, last);
+    let reversed = Sampled::new(0.0, fall.dt_s(), fall.samples().iter().rev().copied().collect()).ok()?;
+    match onset(&reversed) {
+        Beginning::Rises(onset) => Some(Onset { time_s: fall.end_s() - onset.time_s, ..onset }),
+        _ => None,
+    }
+}
+
 /// Stretch whose rise is extrapolated back to the beginning of a pulse that a record cuts, s: that of a half sine of
 /// 100 ms is straight to 2 % up to there.
 const FIRST_RISE_S: f64 = 0.005;

@@ -58,8 +58,8 @@ pub use agreement::{
     Agreement, ChannelMotion, LARGEST_CRUSH_GAP, Residuals, agreement, fit_percent, over_channels, residuals, rmse,
 };
 pub use contact::{
-    Beginning, ContactEstimate, CutRise, Onset, SMOOTHING_S, contact_edge, edr_start, held_crossing, moving_mean,
-    onset, threshold_crossing,
+    Beginning, ContactEstimate, CutRise, Onset, SMOOTHING_S, contact_edge, edr_start, end_of_force, held_crossing,
+    moving_mean, onset, threshold_crossing,
 };
 pub use cora::{Cora, CoraInterval, CoraOptions, cora};
 pub use crash_events::{

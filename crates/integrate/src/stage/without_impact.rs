@@ -1,7 +1,7 @@
 //! A motion without an impact of a vehicle: from rest, pushed, of a sled, of a pulse whose speed nobody states.
 
 use crumple_metrics::definitions::STROKE;
-use crumple_metrics::{Measured, Metric, first_event};
+use crumple_metrics::{Measured, Metric, end_of_force, first_event};
 use crumple_signal::{Acceleration, Channel, IntegrationRule, Signal, TestDescription, TestKind, integrate_twice};
 use crumple_stage::records::{ImpactsV1, MetricsV2, TestV1};
 use crumple_stage::{Inputs, Outcome, Output, Refused, option};
@@ -77,13 +77,20 @@ pub fn without_impact(
     let over_ground = task.over_ground(&integrated.motion)?;
     let has_stroke = starts_from == Some(0.0) || !test.has_structure();
     let way = over_ground.as_ref().filter(|_| has_stroke).map(|(_, way)| way);
-    let stroke = delta_v.zip(way).and_then(|((_, time_s), way)| Some((way.at(time_s)?.abs(), time_s)));
+    let impacts = &integrated.events.impacts;
+    let impact = first_event(impacts).map(|k| &impacts[k]);
+    // What rolls on passes 2 % of its stroke while a mean of 4.4 ms sees the end of the force.
+    let ends = impact.and_then(|impact| {
+        end_of_force(&integrated.motion.acceleration, impact.time_of_peak_s, impact.end_s).map(|end| end.time_s)
+    });
+    let stroke = delta_v.zip(way).and_then(|((_, time_s), way)| {
+        let time_s = ends.unwrap_or(time_s);
+        Some((way.at(time_s)?.abs(), time_s))
+    });
     metrics.extend(stroke.map(|(stroke_m, time_s)| {
         metric_record(&[&pulse.id], &Metric::with_value(&STROKE, stroke_m).over(0.0, time_s))
     }));
     metrics.extend(pulse_shape(&pulse.id, &integrated, out));
-    let impacts = &integrated.events.impacts;
-    let impact = first_event(impacts).map(|k| &impacts[k]);
     let measured = Measured {
         change_m_per_s: impact.map_or(0.0, |impact| impact.change_m_per_s),
         is_whole: impact.is_some_and(|impact| impact.is_whole),

@@ -39,7 +39,9 @@ pub(super) fn write(out: &mut String, run: &Run) {
         .iter()
         .filter(|m| {
             let of_pulse = channel.is_none() || Some(m.channel.as_str()) == channel || m.channel.is_empty();
-            of_pulse && (run.events.is_none() || !AMONG_EVENTS.contains(&m.name.as_str()))
+            of_pulse
+                && !m.name.starts_with(IN_A_REMARK)
+                && (run.events.is_none() || !AMONG_EVENTS.contains(&m.name.as_str()))
         })
         .collect();
     if !rest.is_empty() {
@@ -63,6 +65,9 @@ pub(super) fn write(out: &mut String, run: &Run) {
     other_channels(out, run);
     out.push_str(end);
 }
+
+/// Metrics that are five answers to one question: a remark has the best.
+const IN_A_REMARK: &str = "simple_pulse_";
 
 /// Metrics that only other channels have, open to view: occupants, barrier, recorder.
 fn unlike_pulse(out: &mut String, run: &Run) {

@@ -204,7 +204,11 @@ pub(super) fn write_provenance(out: &mut String, run: &Run) {
             let settings = if record.settings.is_empty() || record.settings == "{}" {
                 texts.none.to_owned()
             } else {
-                format!("<details><summary>{}</summary><code>{}</code></details>", texts.show, html(&record.settings))
+                format!(
+                    "<details><summary>{}</summary><code>{}</code></details>",
+                    texts.show,
+                    html(&as_set(&record.settings))
+                )
             };
             out.push_str(&format!(
                 "<tr><td>{}</td><td>{}</td><td><code tabindex=\"0\" title=\"{}\">{}</code></td><td>{}</td>\
@@ -228,4 +232,15 @@ pub(super) fn write_provenance(out: &mut String, run: &Run) {
 fn short(digest: &str) -> &str {
     let hex = digest.split_once(':').map_or(digest, |(_, hex)| hex);
     hex.get(..DIGEST_SHOWN).unwrap_or(hex)
+}
+
+/// The settings without those that were left open.
+fn as_set(settings: &str) -> String {
+    match serde_json::from_str::<serde_json::Map<String, serde_json::Value>>(settings) {
+        Ok(mut all) => {
+            all.retain(|_, value| !value.is_null());
+            serde_json::Value::from(all).to_string()
+        }
+        Err(_) => settings.to_owned(),
+    }
 }

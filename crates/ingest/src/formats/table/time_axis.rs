@@ -150,6 +150,13 @@ pub fn find(
             settings::warn("--time-unit", "the times are those of a clock", notes);
         }
     }
+    // A stated unit says that the numbers are of that.
+    let clock = packed_clock(&times).filter(|_| settings.time_unit.is_none() && !matches!(cells, Cells::Stamps(_)));
+    let is_clock = clock.is_some();
+    if let Some(from_first) = clock {
+        times = from_first;
+        notes.info(format!("the times of column {title} are those of a clock packed into a number, hhmmss"));
+    }
     let place = |index: usize| Place::line(file, rows.lines.of_row(index)).in_column(title.clone());
     if let Some(k) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
         return Err(order(place(k + 1), &times, k, rows.lines.of_row(k)));
@@ -157,6 +164,7 @@ pub fn find(
     let mut origin_s = None;
     let (unit, mut resolution_s) = match cells {
         Cells::Stamps(_) => (1.0, resolution_of_stamps(&times)),
+        _ if is_clock => (1.0, resolution_of_stamps(&times)),
         Cells::Whole(first) => {
             let unit = unit(file, &title, &header.columns[column].unit, &times, settings, comment, notes)?;
             origin_s = Some(first as f64 * unit);
@@ -184,12 +192,32 @@ pub fn find(
         settings.time_zero.and_then(TimeZero::stated).is_some_and(|zero| zero.si().abs() > time::CALENDAR_S);
     match origin_s.filter(|_| is_absolute) {
         Some(origin_s) => grid.t0_s += origin_s,
-        None if origin_s.is_some() || matches!(cells, Cells::Stamps(_)) => notes.info(format!(
+        None if origin_s.is_some() || is_clock || matches!(cells, Cells::Stamps(_)) => notes.info(format!(
             "the times of column {title} count from the first one; --time-zero states first contact on that axis"
         )),
         None => {}
     }
     Ok(TimeAxis { columns, grid })
+}
+
+/// Seconds from the first time of a clock that is packed into a number, hhmmss.sss, as loggers of satellite positions
+/// write it. `None` where no minute turns, so that the numbers may be seconds, or one is no time of a day, or a turn is
+/// no step like the others.
+fn packed_clock(times: &[f64]) -> Option<Vec<f64>> {
+    let minute = |t: f64| (t / 100.0).floor();
+    let seconds = |t: f64| -> Option<f64> {
+        let (hours, minutes, seconds) = ((t / 1e4).floor(), minute(t) % 100.0, t % 100.0);
+        let is_time = (0.0..24.0).contains(&hours) && minutes < 60.0 && seconds < 60.0;
+        is_time.then_some(3600.0 * hours + 60.0 * minutes + seconds)
+    };
+    let turns: Vec<usize> = (1..times.len()).filter(|k| minute(times[*k]) != minute(times[*k - 1])).collect();
+    if turns.is_empty() {
+        return None;
+    }
+    let of_day: Vec<f64> = times.iter().map(|t| seconds(*t)).collect::<Option<_>>()?;
+    let usual_s = time::median_step(&of_day);
+    let is_even = |k: &usize| (of_day[*k] - of_day[*k - 1] - usual_s).abs() < 0.5 * usual_s;
+    turns.iter().all(is_even).then(|| of_day.iter().map(|t| t - of_day[0]).collect())
 }
 
 /// The refusal of times that do not increase from row `k` to the next.
@@ -307,4 +335,22 @@ fn contradicts(file: &str, title: &str, factor: f64, stated: &Stated<String>) ->
         "one unit",
         "correct the one that is wrong, or --time-unit says which counts",
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    #[test]
+    fn a_clock_that_is_packed_into_a_number_counts_seconds_over_the_minute() {
+        let packed = [100_259.998, 100_259.999, 100_300.0, 100_300.001];
+        let found = packed_clock(&packed).unwrap();
+        assert!(found.iter().enumerate().all(|(k, t)| (t - 1e-3 * k as f64).abs() < 1e-9), "{found:?}");
+        let hours = [95_958.0, 95_959.0, 100_000.0, 100_001.0];
+        assert_eq!(packed_clock(&hours), Some(vec![0.0, 1.0, 2.0, 3.0]));
+        // Seconds, also those that pass a hundred; a day has no hour 31; no minute turns.
+        assert_eq!(packed_clock(&[99.98, 99.99, 100.0, 100.01]), None);
+        assert_eq!(packed_clock(&[158.0, 159.0, 160.0, 161.0]), None);
+        assert_eq!(packed_clock(&[310_259.999, 310_300.0, 310_300.001]), None);
+        assert_eq!(packed_clock(&[100_259.1, 100_259.2, 100_259.3]), None);
+    }
 }

@@ -36,6 +36,21 @@ pub const RULES: &[Rule] = &[
         &[],
         is_not_a_car,
     ),
+    says(
+        "note.packed-clock",
+        "the times of column {title} are those of a clock packed into a number, hhmmss",
+        &[],
+        is_not_a_car,
+    ),
+    says(
+        "note.begins-later",
+        "the pulse begins {late} after time zero: contact may be as late, and the intervals hold it",
+        &[("late", Number)],
+        |said, _| {
+            let late_s = said.number("late").map_or(0.0, |shown| shown.si());
+            holds((0.0..0.02).contains(&late_s), || format!("a pulse that begins {late_s} s later speaks for itself"))
+        },
+    ),
     says("note.speed-exchanged", "from {speed} this pulse stops the car ({figures}): {more}", &[], is_not_a_car),
     says(
         "note.sign-exchanged",
