@@ -54,7 +54,7 @@ const CENTROID_GAP: f64 = 1e-3;
 ///
 /// In this order, as far as they hold:
 /// 1. the sign of the pulse is wrong: a warning, and nothing else is said ([`wrong_sign`]);
-/// 2. the integration began with the record, not at contact;
+/// 2. the integration began before contact;
 /// 3. the motion starts from rest: its velocity is the change of velocity, and nothing else is said;
 /// 4. the record ends faster than the impact: a warning, the polarity may be wrong;
 /// 5. the velocity never reaches zero: a warning, with the lowest velocity up to the end of the event (49 CFR 563.5)
@@ -83,9 +83,8 @@ pub fn findings(motion: &Motion, events: &CrashEvents, impact_speed_m_per_s: f64
     }
     if motion.start == UsedStart::RecordStart {
         notes.info(format!(
-            "integration starts with the record ({:.1} ms): the low-pass filter spreads the contact to both sides of \
-             time zero",
-            1e3 * motion.velocity.t0_s()
+            "integration starts {:.1} ms before contact: the low-pass filter spreads the contact to both sides of it",
+            -1e3 * motion.velocity.t0_s()
         ));
     }
     if impact_speed_m_per_s == 0.0 {

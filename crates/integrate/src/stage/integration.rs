@@ -5,9 +5,9 @@ use std::cell::RefCell;
 use crate::{Intervals, MOST_SAMPLES, Uncertainty, barrier_force, events_within, propagate};
 use crumple_metrics::{CrashEvents, Interval, Metric, Pulse, pulse_metrics};
 use crumple_signal::{
-    About, Acceleration, Channel, Drift, EndCondition, IntegrateError, IntegrationSettings, KnownEnd, Motion, Notes,
-    QuantityKind, STANDARD_GRAVITY_M_PER_S2, Sampled, Signal, TestDescription, Velocity, Weight, integrate_reporting,
-    integrate_without_drift,
+    About, Acceleration, Channel, Drift, EndCondition, IntegrateError, IntegrationSettings, IntegrationStart, KnownEnd,
+    Motion, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2, Sampled, Signal, TestDescription, Velocity, Weight,
+    integrate_reporting, integrate_without_drift,
 };
 use crumple_stage::records::{ChannelFilterV1, QualityV1};
 use crumple_stage::{Inputs, Output, RefuseExt, Refused, flag, option};
@@ -65,6 +65,10 @@ pub fn impact_speed(
     Ok(speed)
 }
 
+/// `start = auto` begins no earlier before contact, s: what the zero level is read from. A low-pass filter brings a pulse
+/// 10 ms forward, and an error of the zero level would act on the velocity for as long as the record leads.
+const LONGEST_LEAD_S: f64 = 0.05;
+
 /// A drift larger than this is no drift, m/s² (0.5 g).
 const LARGE_DRIFT_M_PER_S2: f64 = 0.5 * STANDARD_GRAVITY_M_PER_S2;
 
@@ -90,6 +94,9 @@ impl ChannelIntegration<'_> {
         out: &mut Output,
     ) -> anyhow::Result<Integrated> {
         let impact_speed_m_per_s = self.impact_speed_m_per_s.unwrap_or(0.0);
+        let near = (self.settings.start == IntegrationStart::Auto && acceleration.t0_s() < -LONGEST_LEAD_S)
+            .then(|| acceleration.slice(acceleration.index_at_or_after(-LONGEST_LEAD_S), acceleration.len()).into());
+        let acceleration = near.as_ref().unwrap_or(acceleration);
         let settings = IntegrationSettings {
             rule: self.settings.rule,
             start: self.settings.start,

@@ -328,7 +328,7 @@ const REMARKS: &[(&str, &str)] = &[
     ("note.no-pulse", "no channel is named as the crash pulse: {why}"),
     ("note.inputs-and-outputs", "a record of inputs and outputs, as no pulse is named (--channel names one): {why}"),
     ("note.time-zero-of-file", "time zero is t = 0 of the file, {samples} samples after its start"),
-    ("note.start", "integration starts with the record ({time}): {why}"),
+    ("note.start", "integration starts {time} before contact: {why}"),
     ("note.intervals", "intervals are {level} of {count} replicates (seed {seed}) with {inputs}"),
     ("note.thirds", "{model}: {masses}: {more}, an assumption that the parameters depend on"),
     (
