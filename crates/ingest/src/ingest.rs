@@ -167,9 +167,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
     let polarity = polarity.unless_asked(plausibility.as_ref());
     // Of inputs and outputs nobody asks for a mass.
     if pulse.is_some() || recording.details.no_pulse || is_of_a_crash(&recording.details, &choices) {
-        // A component has a structure once its mass is stated.
-        let no_vehicle = certain.filter(|kind| matches!(kind, TestKind::Sled | TestKind::Catapult));
-        missing_details(&recording.details, reader.has_comments, (is_of_occupant, no_vehicle), from_rest, &mut notes);
+        missing_details(&recording.details, reader.has_comments, (is_of_occupant, certain), from_rest, &mut notes);
     }
     channel_quality::check(&waves, pulse_id.as_deref(), speed, polarity, &mut notes);
     let pulse_id = pulse_id.or(velocity.map(|k| recording.channels[k].channel.id.clone()));
@@ -233,7 +231,7 @@ fn is_of_a_crash(details: &Details, choices: &IngestSettings) -> bool {
 fn missing_details(
     details: &Details,
     has_comments: bool,
-    (is_of_occupant, no_vehicle): (bool, Option<TestKind>),
+    (is_of_occupant, kind): (bool, Option<TestKind>),
     from_rest: bool,
     notes: &mut Notes,
 ) {
@@ -242,7 +240,8 @@ fn missing_details(
         if is_missing {
             notes.info("mass and impact speed are not both stated: the criteria of an occupant need neither");
         }
-    } else if let Some(kind) = no_vehicle {
+    // A component has a structure once its mass is stated.
+    } else if let Some(kind) = kind.filter(|kind| matches!(kind, TestKind::Sled | TestKind::Catapult)) {
         if is_missing {
             notes.info(format!("mass and impact speed are not both stated: a {} needs neither", kind.name()));
         }

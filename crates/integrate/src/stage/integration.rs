@@ -65,8 +65,8 @@ pub fn impact_speed(
     Ok(speed)
 }
 
-/// `start = auto` begins no earlier before contact, s: what the zero level is read from. A low-pass filter brings a pulse
-/// 10 ms forward, and an error of the zero level would act on the velocity for as long as the record leads.
+/// `start = auto` begins no earlier before contact, s: what the zero level is read from. A low-pass filter brings a
+/// pulse 10 ms forward, and an error of the zero level would act on the velocity for as long as the record leads.
 const LONGEST_LEAD_S: f64 = 0.05;
 
 /// A drift larger than this is no drift, m/s² (0.5 g).

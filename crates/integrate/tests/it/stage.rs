@@ -81,8 +81,9 @@ fn a_velocity_that_never_reaches_zero_is_a_result_with_a_note() {
     assert!((events.delta_v_m_per_s.unwrap() - 29.98).abs() < 1e-9, "{events:?}");
     assert_eq!(events.end_of_event_rule.as_deref(), Some("end of the record"));
     let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
+    // The speed is not doubted: what the record does not show may stop it.
     assert_eq!(
-        notes.notes[1..],
+        notes.notes[..],
         ["warning: the velocity never reaches zero, the record ends at v = 10.020 m/s: dynamic crush and \
           rebound are not in the record; delta-v is 29.980 m/s at 149.9 ms, the lowest velocity up to the end of the \
           event at 149.9 ms (end of the record): a lower bound, it still changes there"]
@@ -240,14 +241,14 @@ fn without_an_impact_speed_the_metrics_that_need_none_are_those_with_one() {
 fn a_speed_that_does_not_fit_the_pulse_is_questioned_before_anything_else() {
     let folder = tempfile::tempdir().unwrap();
     // 30 m/s are taken off: at 15 m/s the vehicle would leave the wall as fast as it came.
-    for (speed, words) in [(15.0, "rebound at 100 % of it"), (40.0, "not stop, it would still move at")] {
+    for (speed, words) in [(15.0, "rebound at 100 % of it"), (18.0, "rebound at 67 % of it")] {
         let artifact = result(&filtered(folder.path(), &constant(Some(speed), Some(900.0), None)), &[]);
         let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
         assert!(notes.notes[0].starts_with("warning: check the impact speed"), "{:?}", notes.notes);
         assert!(notes.notes[0].contains(words) && notes.notes[0].contains("94 km/h would fit"), "{:?}", notes.notes);
         // Not where the reader of the record has asked for an exchange, unless the speed is another one.
         let asked = TestDescription { exchange_asked: true, ..constant(Some(speed), Some(900.0), None) };
-        for (flags, is_questioned) in [(&[][..], false), (&["--impact-speed", "60m/s"][..], true)] {
+        for (flags, is_questioned) in [(&[][..], false), (&["--impact-speed", "14m/s"][..], true)] {
             let notes: NotesV1 = result(&filtered(folder.path(), &asked), flags).record("/notes").unwrap().unwrap();
             let first = &notes.notes[0];
             assert_eq!(first.starts_with("warning: check the impact speed"), is_questioned, "{:?}", notes.notes);

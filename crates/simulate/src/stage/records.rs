@@ -1,8 +1,9 @@
 //! Simulations as they stand in the artifact, beside other sensors and with the numbers of their fit counted.
 
 use crate::{Information, OtherSensor, Rating, SensorFit, Simulation, deceleration_peak, is_on_engine, numbers_of};
+use crumple_artifact::WriteError;
 use crumple_lumped::{Chain, CrushEvents, Dynamics, LumpedError, Model, Motion, ParameterKind};
-use crumple_signal::{Displacement, Notes, QuantityKind, Sampled, TestDescription};
+use crumple_signal::{About, Displacement, Notes, QuantityKind, Sampled, TestDescription, Weight};
 use crumple_stage::records::{CandidateV1, EnergyV1, OtherSensorV1, RatingV1, SimulationV1};
 use crumple_stage::{Inputs, Output, RefuseExt};
 
@@ -62,7 +63,13 @@ pub fn write_simulation(
         rebound_velocity_m_per_s: rebound,
         peak_acceleration_m_per_s2: deceleration_peak(&motion.acceleration_m_per_s2, grid.dt_s()),
     };
-    out.put(&format!("/simulation/{id}"), &record)?;
+    if let Err(error) = out.put(&format!("/simulation/{id}"), &record) {
+        // A motion that grows beyond all numbers takes no other one with it.
+        let Some(WriteError::Impossible { field, value, .. }) = error.downcast_ref() else { return Err(error) };
+        let text = format!("{id} is left out: its {field} is {value:e}, which is no number of a vehicle");
+        out.notes().concern(About::Model(id.to_owned()), Weight::Slight, text);
+        return Ok(());
+    }
     let mut wave = |what: &str, quantity: QuantityKind, samples: Vec<f64>| {
         out.wave(&format!("{id}/{what}"), quantity, Sampled::new(0.0, grid.dt_s(), samples)?)
     };

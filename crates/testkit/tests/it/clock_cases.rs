@@ -144,7 +144,8 @@ fn what_is_pushed_has_its_change_of_velocity() {
     assert!((delta_v - 15.0).abs() < 0.2, "{delta_v}");
     let (delta_v, stroke_m) = of(PUSHED, "sled-from-rest.csv", &[]);
     assert!((delta_v - 50.0).abs() < 0.3, "{delta_v}");
-    assert!((stroke_m.unwrap() - 0.655).abs() < 0.007, "{stroke_m:?}");
+    // Behind CFC 60 the end of a force is known to a millisecond, in which it rolls 14 mm.
+    assert!((stroke_m.unwrap() - 0.655).abs() < 0.014, "{stroke_m:?}");
     let (delta_v, _) = of("T4-20-sled-that-is-pushed", "sled.csv", &[]);
     assert!((delta_v - 55.0).abs() < 0.3, "{delta_v}");
     let (delta_v, _) = of("T4-10-struck-vehicle-at-rest", "v90001", &["--vehicle=2"]);

@@ -73,6 +73,10 @@ fn with_one_sample_changed(from: &Path, to: &Path, wave_id: &str, index: usize) 
                 let notes: crumple_artifact::records::NotesV1 = artifact.decode(raw).unwrap();
                 builder.put(&raw.topic, &notes).unwrap();
             }
+            "crumple.Quality.v1" => {
+                let quality: crumple_artifact::records::QualityV1 = artifact.decode(raw).unwrap();
+                builder.put(&raw.topic, &quality).unwrap();
+            }
             other => panic!("the filter stage writes {other}: add it here"),
         }
     }

@@ -21,7 +21,8 @@ pub const RULES: &[Rule] = &[
         &[],
         |said, _| {
             let value = said.text("value");
-            holds(value.parse::<f64>().is_ok_and(|value| value.abs() >= 1e15), || format!("{value} can be written"))
+            let is_no_number = value.parse::<f64>().is_ok_and(|value| !value.is_finite() || value.abs() >= 1e15);
+            holds(is_no_number, || format!("{value} can be written"))
         },
     ),
     says("note.start-of-sum", "{id}: at its start the sum is {value}, its slope {slope}", &[], start_of_sum),
