@@ -218,7 +218,7 @@ pub fn cover_of(
             *counts = (1, usize::from(interval.low <= *value && *value <= interval.high));
             held.widths_m.extend((*name == "dynamic_crush_m").then_some(interval.high - interval.low));
         }
-        if misses && held.held.iter().any(|(all, inside)| all > inside) || misses && events.is_none() {
+        if misses && (events.is_none() || held.held.iter().any(|(all, inside)| all > inside)) {
             let figures = events.iter().flat_map(|events| &events.intervals);
             let figures = figures.filter(|interval| truth.iter().any(|(name, _)| *name == interval.name));
             eprintln!("{} {number}: {truth:?}", kind.name);

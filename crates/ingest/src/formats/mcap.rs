@@ -76,6 +76,18 @@ fn scan(file: &str, bytes: &[u8], unpack: bool, mut each: impl FnMut(McapRecord)
     Ok(())
 }
 
+/// Refuses a plain chunk in which a record is longer than what is left of it.
+fn require_whole_records(file: &str, record: &McapRecord) -> Result<()> {
+    let McapRecord::Chunk { header, data } = record else { return Ok(()) };
+    let mut rest: &[u8] = if header.compression.is_empty() { data } else { &[] };
+    while !rest.is_empty() {
+        let length = rest.get(1..9).and_then(|length| length.try_into().ok()).map(u64::from_le_bytes);
+        let end = length.and_then(|length| usize::try_from(length).ok()).and_then(|length| length.checked_add(9));
+        rest = end.and_then(|end| rest.get(end..)).ok_or_else(|| damaged(file, "a record is longer than its chunk"))?;
+    }
+    Ok(())
+}
+
 /// The type of a topic's messages, and the description of it that the file carries.
 #[derive(Default)]
 struct Kind {
@@ -130,6 +142,8 @@ fn messages_of(file: &str, bytes: &[u8], mut each: impl FnMut(Message)) -> Resul
 fn topics(file: &str, bytes: &[u8]) -> Result<BTreeMap<String, Topic>> {
     let mut total = 0_u64;
     scan(file, bytes, false, |record| {
+        // The reader counts on it when it unpacks (mcap 0.26).
+        require_whole_records(file, &record)?;
         let McapRecord::Chunk { header, .. } = record else { return Ok(()) };
         total = total.saturating_add(header.uncompressed_size);
         let (claimed, found) = (header.uncompressed_size, "a chunk that claims # MiB when unpacked");

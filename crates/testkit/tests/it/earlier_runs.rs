@@ -22,7 +22,7 @@ fn copied(to: &Path, name: &str) -> PathBuf {
 
 /// Commands that take artifacts or folders of a run: program, arguments. `{K}` is artifact K, `{run}` and `{other}` are
 /// folders, `{out}` an output.
-const COMMANDS: [(&str, &str); 16] = [
+const COMMANDS: [(&str, &str); 15] = [
     ("crumple-filter", "{1} -o {out}.mcap"),
     ("crumple-integrate", "{2} -o {out}.mcap"),
     ("crumple-identify", "{2} {3} -o {out}.mcap"),
@@ -38,7 +38,6 @@ const COMMANDS: [(&str, &str); 16] = [
     ("crumple-artifact", "curve {5}"),
     ("crumple-export", "{run} --to csv -o {out}"),
     ("crumple", "accept {runs} --into {out}"),
-    ("crumple-together", "{run} {other}"),
 ];
 
 /// Exit code and standard error of a command on two run folders below a folder.
