@@ -68,7 +68,8 @@ fn closest_wave(said: &Said, spot: &Spot<'_>) -> Result<(), String> {
         .collect();
     let least = misfits.iter().copied().fold(f64::INFINITY, f64::min);
     // Of those that miss at most 5 % more than the closest the simplest is named.
-    let is_one = misfits.iter().any(|misfit| share.is_of(*misfit) && *misfit <= 1.05 * least + 1e-6);
+    let is_said = |misfit: f64| (share.value - 100.0 * misfit).abs() <= 0.0501;
+    let is_one = misfits.iter().any(|misfit| is_said(*misfit) && *misfit <= 1.05 * least + 1e-6);
     holds(is_one, || format!("{} of {misfits:?}", said.text("share")))
 }
 

@@ -183,10 +183,18 @@ pub fn misses_time_or_rebound(made: &Made, candidate: &Value) -> Option<String> 
 /// Whether a force above 1 g still acts on a vehicle that rebounds where the record ends: what its velocity changes by
 /// in the last 4.4 ms, the window of CFC 60.
 pub fn is_rebound_cut(made: &Made) -> bool {
+    acts_at_end(made, 4.4e-3)
+}
+
+/// The same in the last 15 ms, the pause that ends an impact: without one the record does not show the end.
+pub fn may_be_cut(made: &Made) -> bool {
+    acts_at_end(made, 4.4e-3) || acts_at_end(made, 0.015)
+}
+
+fn acts_at_end(made: &Made, window_s: f64) -> bool {
     let velocity = made.waves.get(&format!("{}/velocity", made.text("/test/channel")));
     velocity.is_some_and(|wave| {
         let v = wave.sampled.samples();
-        let window_s = 4.4e-3;
         let before = v.len().saturating_sub(1 + (window_s / wave.sampled.dt_s()) as usize);
         v.last().zip(v.get(before)).is_some_and(|(last, before)| *last < 0.0 && before - last > window_s * G)
     })
