@@ -126,7 +126,9 @@ fn of_page(registry: &Registry, made: &Made, add: &mut Add<'_>) {
             ("before-use", "li") => add(page, "", text, &["page.about"]),
             ("before-use", _) => {
                 let counted = ["conclusion.more", "conclusion.one_more"];
-                add(page, "", text, &[registry.sentences(&["conclusion."]), counted.to_vec()].concat());
+                // Without a model the caption of the numbers stands here.
+                let own = registry.sentences(&["conclusion.", "numbers.inputs"]);
+                add(page, "", text, &[own, counted.to_vec()].concat());
             }
             ("model", "summary") => add(page, &candidate, text, ROLES),
             ("model", "h3") => {
@@ -135,7 +137,9 @@ fn of_page(registry: &Registry, made: &Made, add: &mut Add<'_>) {
                 candidate = own.unwrap_or_default().to_owned();
                 add(page, &candidate, text, &["page.model-head"]);
             }
-            ("model", _) => add(page, &candidate, text, &registry.sentences(&["model.", "page.determined"])),
+            ("model", _) => {
+                add(page, &candidate, text, &registry.sentences(&["model.", "page.determined", "numbers.inputs"]))
+            }
             ("numbers", "dd") => {
                 let is_number = |c: char| c.is_ascii_digit() || "-≥–—".contains(c);
                 let is_value = key.is_empty() || text.starts_with(is_number);
