@@ -138,7 +138,7 @@ fn of_page(registry: &Registry, made: &Made, add: &mut Add<'_>) {
                 add(page, &candidate, text, &["page.model-head"]);
             }
             ("model", _) => {
-                add(page, &candidate, text, &registry.sentences(&["model.", "page.determined", "numbers.inputs"]))
+                add(page, &candidate, text, &registry.sentences(&["model.", "page.determined", "numbers.inputs"]));
             }
             ("numbers", "dd") => {
                 let is_number = |c: char| c.is_ascii_digit() || "-≥–—".contains(c);
