@@ -10,6 +10,7 @@ pub use barrier::{CellSum, barrier_force, impulse_n_s, sum_of_cells};
 pub use events::{WRONG_SIGN, events_of, events_within, findings, question_speed, wrong_sign};
 pub use uncertainty::{
     EVENT_NAMES, Intervals, MOST_SAMPLES, Perturbation, Uncertainty, ZeroShift, event_values, perturbed, propagate,
+    stroke_interval,
 };
 
 /// The program.

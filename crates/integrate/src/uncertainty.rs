@@ -1,13 +1,13 @@
 //! How far the uncertainty of the inputs moves motion, events and metrics: repetitions with perturbed inputs.
 
 use crumple_metrics::{
-    CrashEvents, Interval, Metric, Pulse, PulseImpact, centroid_time_from_crush, crash_events_within, definitions,
+    CrashEvents, Interval, Metric, Onset, Pulse, PulseImpact, centroid_time_from_crush, crash_events_within, definitions,
     pulse_metrics,
 };
 use crumple_numerics::estimation::random::RandomNumbers;
 use crumple_signal::{
-    Acceleration, Distribution, EndCondition, IntegrateError, IntegrationSettings, IntegrationStart, LateRecord,
-    Motion, STANDARD_GRAVITY_M_PER_S2, Signal, Spread, UsedStart, integrate_from, without_drift,
+    Acceleration, Distribution, EndCondition, IntegrateError, IntegrationSettings, LateRecord,
+    Motion, STANDARD_GRAVITY_M_PER_S2, Signal, Spread, integrate_from, without_drift,
 };
 use crumple_stage::records::QualityV1;
 use rayon::prelude::*;
@@ -83,6 +83,8 @@ pub struct Perturbation {
     pub shifted: f64,
     /// Where the shift begins, a share of the time from contact to the peak.
     pub shifted_from: f64,
+    /// How much later the end of the force is, in its standard deviations.
+    pub end_of_force: f64,
 }
 
 /// Shares of a loss or a shift that a replicate takes off: none of it and all of it lie inside the 5 % and 95 %
@@ -135,6 +137,7 @@ impl Uncertainty {
             refilled: share_taken(&mut random),
             shifted: share_taken(&mut random),
             shifted_from: none_for_half(&mut random),
+            end_of_force: random.normal(),
         }
     }
 
@@ -293,11 +296,7 @@ pub fn propagate(
     uncertainty: &Uncertainty,
     mut report: impl FnMut(u64),
 ) -> Intervals {
-    let start = match motion.start {
-        UsedStart::TimeZero => IntegrationStart::TimeZero,
-        UsedStart::RecordStart => IntegrationStart::RecordStart,
-    };
-    let settings = IntegrationSettings { start, ..*settings };
+    let settings = IntegrationSettings { start: motion.start.into(), ..*settings };
     let replicate = |index: usize| -> Option<Vec<Option<f64>>> {
         let by = uncertainty.perturbation(index);
         let repaired = uncertainty.repaired(acceleration, &by).map(|samples| acceleration.with_samples(samples));
@@ -348,6 +347,26 @@ pub fn propagate(
     let mut without_event: Vec<usize> = (0..quantities).map(without).collect();
     let without_metric = without_event.split_off(EVENT_NAMES.len().min(quantities));
     Intervals { events, metrics, without_event, without_metric }
+}
+
+/// 5-95 % interval of the way from contact to the end of the force, m: of a motion that starts with the speed of
+/// `settings`, over ground. Replicates as in [`propagate`]; the end of the force varies with its own deviation. `None`
+/// where a replicate does not reach it.
+pub fn stroke_interval(
+    acceleration: &Signal<Acceleration>,
+    settings: &IntegrationSettings,
+    end: Option<EndCondition>,
+    uncertainty: &Uncertainty,
+    end_of_force: &Onset,
+) -> Option<Interval> {
+    let stroke = |index: usize| -> Option<f64> {
+        let by = uncertainty.perturbation(index);
+        let motion = perturbed(acceleration, settings, end, &by).ok()?;
+        let later_s = by.end_of_force * end_of_force.deviation_s - by.later_s;
+        motion.displacement.at(end_of_force.time_s + later_s).map(f64::abs)
+    };
+    let strokes: Option<Vec<f64>> = (0..uncertainty.replicates).into_par_iter().map(stroke).collect();
+    Interval::of_replicates(strokes?)
 }
 
 /// The value of a metric that gets an interval; the closure of the energy balance checks the arithmetic, not the test.

@@ -30,6 +30,16 @@ pub enum UsedStart {
     RecordStart,
 }
 
+/// The start that was used, to be used again.
+impl From<UsedStart> for IntegrationStart {
+    fn from(used: UsedStart) -> Self {
+        match used {
+            UsedStart::TimeZero => Self::TimeZero,
+            UsedStart::RecordStart => Self::RecordStart,
+        }
+    }
+}
+
 impl IntegrationStart {
     /// What `auto` means for a record. A filter without phase puts half of a jump at contact before time zero; starting
     /// there loses 0.05 m/s for a jump of 10 g at CFC 60 and, in a Kelvin model fitted to it, 2 % of the damping.
@@ -323,11 +333,7 @@ pub fn integrate_without_drift(
     end: EndCondition,
 ) -> Result<(Motion, Drift), IntegrateError> {
     // The start of the record as it is: a drift taken out must not look like braking before contact.
-    let start = match integrate(acceleration, settings)?.start {
-        UsedStart::TimeZero => IntegrationStart::TimeZero,
-        UsedStart::RecordStart => IntegrationStart::RecordStart,
-    };
-    let settings = IntegrationSettings { start, ..*settings };
+    let settings = IntegrationSettings { start: integrate(acceleration, settings)?.start.into(), ..*settings };
     without_drift(acceleration, &settings, end, |acceleration| integrate(acceleration, &settings))
 }
 

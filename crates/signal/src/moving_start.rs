@@ -24,6 +24,9 @@ const RESOLUTION_M_PER_S2: f64 = 0.02 * STANDARD_GRAVITY_M_PER_S2;
 /// Least deceleration that is braking, m/s²: the usual error of a zero level, 0.05 g. What is less is in its interval.
 const BRAKING_M_PER_S2: f64 = 0.05 * STANDARD_GRAVITY_M_PER_S2;
 
+/// Most deceleration that is braking, m/s²: a change of 1.13 g is an impact (49 CFR 563.5), and noise moves the mean.
+const MOST_BRAKING_M_PER_S2: f64 = 1.2 * STANDARD_GRAVITY_M_PER_S2;
+
 /// The pulse shows its sign up to so long after contact, s: that of a frontal impact lasts longer.
 const PULSE_S: f64 = 0.02;
 
@@ -61,7 +64,7 @@ pub fn moves_before_contact(acceleration: &Sampled) -> bool {
 /// The free fall or the braking before contact, if the level of an acceleration before it, `before`, is not that at
 /// rest.
 ///
-/// Braking: 0.05 g to 1 g off a steady level at the start of the record, and more than noise makes of it. 1 g against
+/// Braking: 0.05 g to 1.2 g off a steady level at the start of the record, and more than noise makes of it. 1 g against
 /// the pulse is a fall, 1 g along it a tyre that brakes at its limit.
 ///
 /// A sensor that feels gravity reads 0 in a fall and 1 g at rest; one that was zeroed at rest reads 1 g in a fall. Of
@@ -88,7 +91,7 @@ pub fn moving_start(samples: &Sampled, before: &PreEvent) -> Option<MovingStart>
         let samples = [before.samples as f64, (FIRST_S / samples.dt_s()).max(1.0)];
         let scatter = 3.0 * before.noise_floor * samples.map(f64::recip).iter().sum::<f64>().sqrt();
         let least = BRAKING_M_PER_S2.max(scatter);
-        first.filter(|level| (least..STANDARD_GRAVITY_M_PER_S2 + SLACK_M_PER_S2).contains(&off(level)) && !stays)
+        first.filter(|level| (least..MOST_BRAKING_M_PER_S2).contains(&off(level)) && !stays)
     };
     falls.map(|level| start(Moving::Falls, level)).or_else(|| brakes().map(|level| start(Moving::Brakes, level)))
 }
@@ -161,7 +164,7 @@ mod tests {
 
     #[test]
     fn braking_is_no_zero_level_where_the_record_shows_the_rest_before_it() {
-        for (rest, level) in [(0.0, 0.8), (0.0, 0.07), (0.1, 0.6), (0.0, 1.0), (0.0, -0.5)] {
+        for (rest, level) in [(0.0, 0.8), (0.0, 0.07), (0.1, 0.6), (0.0, 1.0), (0.0, 1.1), (0.0, -0.5)] {
             let found = of(&drop(rest, level, true, 0.02)).unwrap();
             assert_eq!(found.by, Moving::Brakes);
             assert!((found.rest_level / G - rest).abs() < 0.02, "{rest} {level}: {found:?}");

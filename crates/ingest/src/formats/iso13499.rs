@@ -81,7 +81,7 @@ pub fn pulse_rule(channels: &mut [ReadChannel], settings: &IngestSettings, notes
         settings::warn("--vehicle-number", "no channel is named by a channel code", notes);
     }
     let candidates: Vec<usize> = (0..channels.len()).filter(|k| channels[*k].fitness.is_some()).collect();
-    let vehicle = settings.vehicle_number.unwrap_or(1);
+    let vehicle = settings.vehicle_of_code();
     let fitness: Vec<_> =
         candidates.iter().map(|k| code_of(&channels[*k]).map(|code| pulse::fitness(&code, vehicle))).collect();
     if candidates.len() < 2 || fitness.iter().any(Option::is_none) || !fitness.iter().flatten().any(Option::is_some) {

@@ -1,5 +1,6 @@
 //! What a person may state about a record: the same names as flags, pipeline keys and sidecar keys.
 
+use crumple_signal::iso13499::IsoCode;
 use crumple_signal::value::{Frequency, Mass, Speed, Time};
 use crumple_signal::{Channel, Notes, TestKind, Uncertain, resolve_channels};
 use serde::{Deserialize, Serialize};
@@ -173,6 +174,17 @@ impl IngestSettings {
         time_zero time_zero_rule time_zero_uncertainty impact sign sample_time
         profile skip_to sheet place field resample
         vehicle_number vehicle title barrier allow_missing
+    }
+
+    /// The vehicle whose record is read: the one asked for, else that of the channel asked for, as `of_channel` finds it
+    /// by its name, else 1.
+    pub fn vehicle_of(&self, of_channel: impl Fn(&str) -> Option<u32>) -> u32 {
+        self.vehicle_number.or_else(|| of_channel(self.channel.as_deref()?.trim())).unwrap_or(1)
+    }
+
+    /// The same where channels are named by their codes, whose first character is the test object.
+    pub fn vehicle_of_code(&self) -> u32 {
+        self.vehicle_of(|channel| IsoCode::parse(channel).ok()?.0.object().to_digit(10))
     }
 
     /// The same, a bare number in place of the vehicle's description taken for its number: `--vehicle 2`.

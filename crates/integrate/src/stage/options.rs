@@ -45,8 +45,8 @@ pub struct Options {
     #[arg(long, value_name = "SPEED", allow_hyphen_values = true)]
     pub end_velocity: Option<EndVelocity>,
 
-    /// Known displacement from contact on, e.g. 655mm, the stroke of a sled: the drift that brings the pulse there is
-    /// taken out
+    /// Known displacement from contact on, e.g. 655mm with --end-time 94ms, the stroke of a sled at the end of its
+    /// pulse: the drift that brings the pulse there is taken out
     #[arg(long, value_name = "LENGTH", allow_hyphen_values = true, conflicts_with = "end_velocity")]
     pub end_displacement: Option<Length>,
 

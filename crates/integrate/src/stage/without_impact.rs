@@ -1,14 +1,18 @@
 //! A motion without an impact of a vehicle: from rest, pushed, of a sled, of a pulse whose speed nobody states.
 
 use crumple_metrics::definitions::STROKE;
-use crumple_metrics::{Measured, Metric, end_of_force, first_event};
-use crumple_signal::{Acceleration, Channel, IntegrationRule, Signal, TestDescription, TestKind, integrate_twice};
+use crumple_metrics::{Measured, Metric, Onset, SMOOTHING_S, end_of_force, first_event};
+use crumple_signal::{
+    Acceleration, Channel, IntegrationRule, IntegrationSettings, Sampled, Signal, TestDescription, TestKind, integrate_twice,
+};
 use crumple_stage::records::{ImpactsV1, MetricsV2, TestV1};
 use crumple_stage::{Inputs, Outcome, Output, Refused, option};
 
+use crate::{Uncertainty, stroke_interval};
+
 use crate::stage::channels::{ChannelAgreement, integrate_others};
 use crate::stage::collision::{of_one_vehicle, other_vehicle, vehicles};
-use crate::stage::integration::{ChannelIntegration, acceleration};
+use crate::stage::integration::{ChannelIntegration, Integrated, acceleration};
 use crate::stage::occupants_and_roadside::Criteria;
 use crate::stage::options::{StageSettings, uncertainty_note};
 use crate::stage::pulse_shape::{pulse_shape, sled_pulse};
@@ -75,27 +79,20 @@ pub fn without_impact(
     let delta_v = integrated.metrics.iter().find(|metric| metric.name == "delta_v");
     let delta_v = delta_v.and_then(|metric| Some((metric.value?, metric.window?.to_s)));
     let over_ground = task.over_ground(&integrated.motion)?;
-    let has_stroke = starts_from == Some(0.0) || !test.has_structure();
-    let way = over_ground.as_ref().filter(|_| has_stroke).map(|(_, way)| way);
     let impacts = &integrated.events.impacts;
     let impact = first_event(impacts).map(|k| &impacts[k]);
-    // What rolls on passes 2 % of its stroke while a mean of 4.4 ms sees the end of the force.
-    let ends = impact.and_then(|impact| {
-        end_of_force(&integrated.motion.acceleration, impact.time_of_peak_s, impact.end_s).map(|end| end.time_s)
+    let stroke = starts_from.filter(|speed| *speed == 0.0 || !test.has_structure()).and_then(|speed| {
+        let (_, way) = over_ground.as_ref()?;
+        stroke(&task, &integrated, (speed, way), delta_v?.1)
     });
-    let stroke = delta_v.zip(way).and_then(|((_, time_s), way)| {
-        let time_s = ends.unwrap_or(time_s);
-        Some((way.at(time_s)?.abs(), time_s))
-    });
-    metrics.extend(stroke.map(|(stroke_m, time_s)| {
-        metric_record(&[&pulse.id], &Metric::with_value(&STROKE, stroke_m).over(0.0, time_s))
-    }));
+    let stroke_m = stroke.as_ref().and_then(|stroke| stroke.value);
+    metrics.extend(stroke.map(|stroke| metric_record(&[&pulse.id], &stroke)));
     metrics.extend(pulse_shape(&pulse.id, &integrated, out));
     let measured = Measured {
         change_m_per_s: impact.map_or(0.0, |impact| impact.change_m_per_s),
         is_whole: impact.is_some_and(|impact| impact.is_whole),
         speed_m_per_s,
-        stroke_m: stroke.map(|(stroke_m, _)| stroke_m),
+        stroke_m,
     };
     metrics.extend(sled_pulse(settings.corridor, pulse, &integrated, measured, out));
     let vehicles = vehicles(input)?;
@@ -112,7 +109,7 @@ pub fn without_impact(
     let change = delta_v.map_or_else(String::new, |(value, time_s)| {
         format!(": change of velocity {value:.3} m/s at {:.1} ms", 1e3 * time_s)
     });
-    let stroke = stroke.map_or_else(String::new, |(stroke_m, _)| format!(", stroke {:.0} mm", 1e3 * stroke_m));
+    let stroke = stroke_m.map_or_else(String::new, |stroke_m| format!(", stroke {:.0} mm", 1e3 * stroke_m));
     let (speed_text, reason) = why_none(test, speed_m_per_s, starts_from);
     out.summary(format!("pulse {}{change}{stroke}{speed_text}", pulse.id));
     out.put("/test", &TestV1::from(test))?;
@@ -122,6 +119,40 @@ pub fn without_impact(
     task.write(&pulse.id, integrated, out)?;
     out.nothing_for_later_stages(reason);
     Ok(Outcome::Done)
+}
+
+/// How late the end of a force is found behind a filter, s, a standard deviation: 0.5 ms of the half sine, trapezoid
+/// and haversine of a sled behind CFC 60.
+const BEHIND_A_FILTER_S: f64 = 0.0005;
+
+/// The stroke: the way from contact to the end of the force, or where its fall does not show it to the largest change
+/// of velocity, `change_s`. `speed` is that at contact, `way` the way over ground, m.
+fn stroke(
+    task: &ChannelIntegration<'_>,
+    integrated: &Integrated,
+    (speed_m_per_s, way): (f64, &Sampled),
+    change_s: f64,
+) -> Option<Metric> {
+    let impact = &integrated.events.impacts[first_event(&integrated.events.impacts)?];
+    // What rolls on passes 2 % of its stroke while a mean of 4.4 ms sees the end of the force.
+    let end = end_of_force(&integrated.motion.acceleration, impact.time_of_peak_s, impact.end_s)
+        .unwrap_or(Onset { time_s: change_s, deviation_s: SMOOTHING_S / 2.0 });
+    let end = Onset { deviation_s: end.deviation_s.hypot(BEHIND_A_FILTER_S), ..end };
+    let metric = Metric::with_value(&STROKE, way.at(end.time_s)?.abs()).over(0.0, end.time_s);
+    let of_speed =
+        task.settings.uncertainty.as_ref().and_then(|stated| stated.impact_speed_m_per_s).filter(|_| speed_m_per_s > 0.0);
+    let interval = integrated.uncertainty.as_ref().and_then(|uncertainty| {
+        let uncertainty = Uncertainty { impact_speed_m_per_s: of_speed, ..uncertainty.clone() };
+        let settings = IntegrationSettings {
+            rule: task.settings.rule,
+            start: integrated.motion.start.into(),
+            impact_speed_m_per_s: speed_m_per_s,
+            low_pass_filtered: true,
+        };
+        let acceleration = &integrated.motion.acceleration;
+        stroke_interval(acceleration, &settings, task.settings.end_condition, &uncertainty, &end)
+    });
+    Some(Metric { interval, ..metric })
 }
 
 /// Whether a pulse ends faster than it begins, whatever drift does to it.

@@ -76,8 +76,7 @@ catalogue! {
     DELTA_V = "delta-v" "delta_v" "m/s" Checked
         "v0 - v_s, impact speed minus the lowest velocity from t_m to the end of the contact" "definition";
     STROKE = "stroke" "stroke" "m" Checked
-        "displacement from time zero to the largest change of velocity, of what starts from rest and of a braked \
-         sled" "definition";
+        "displacement from time zero to the end of the force, of what starts from rest and of a sled" "definition";
     RISE_TIME = "rise-time" "rise_time" "s" Checked
         "from 10 % to 90 % of the peak, last and first crossing before it, linearly interpolated" "definition";
     PULSE_AS_HALF_SINE = "simple-pulse-half-sine" "simple_pulse_half_sine" "1" Checked

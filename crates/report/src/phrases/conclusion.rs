@@ -119,9 +119,10 @@ texts! { ConclusionTexts
     mode:
         "; its slowest mode is at {frequency}{damping}";
     changed:
-        "The record gives a delta-v of {change}{time}{peak}{olc}.";
+        "The record gives a delta-v of {change}{time}{peak}{olc}{stroke}.";
     and_peak: ", a peak of {peak}";
     and_olc: ", an OLC of {olc}";
+    and_stroke: ", a stroke of {stroke}";
     not_stated_both:
         "Mass and impact speed are missing, so there is no crush and no force: add --mass and --impact-speed.";
     not_stated_mass:

@@ -357,8 +357,9 @@ fn name_what_is_missing(run: &mut Run, without_parameters: usize) {
     add(run.events.is_none() && run.metrics.is_empty(), texts.no_events);
     let no_motion =
         if run.test.impact_speed_m_per_s.is_none() { texts.no_motion_without_speed } else { texts.no_motion };
-    add(run.events.is_none() && !run.metrics.is_empty(), no_motion);
-    add(run.events.is_some() && run.measured.displacement.is_none(), texts.no_displacement);
+    let has_motion = run.measured.displacement.is_some();
+    add(run.events.is_none() && !run.metrics.is_empty() && !has_motion, no_motion);
+    add(run.events.is_some() && !has_motion, texts.no_displacement);
     // A stage that ran has found none, and says why.
     let why_none = |stage: &str, what: &str| {
         let ran = run.provenance.iter().any(|record| record.stage == stage);

@@ -88,6 +88,8 @@ pub const OLC: KeyQuantity =
 pub const RESTITUTION: KeyQuantity =
     quantity(["coefficient_of_restitution", "coefficient of restitution", "e"], (1.0, 2, ""))
         .called("Restitution e", "restitution");
+/// Way from contact to the end of the force, of what starts from rest and of a sled.
+pub const STROKE: KeyQuantity = quantity(["stroke", "stroke", "s"], (MILLI, 0, "mm")).called("Stroke", "stroke");
 /// Head injury criterion over 15 ms.
 pub const HIC15: KeyQuantity =
     quantity(["hic15", "head injury criterion, 15 ms", "HIC15"], (1.0, 0, "")).called("HIC15", "");
@@ -104,7 +106,7 @@ pub const STIFFNESS: KeyQuantity = quantity(["stiffness", "Kelvin stiffness", "k
 pub const UNKNOWN: KeyQuantity = quantity(["", "", ""], (1.0, 1, ""));
 
 /// Those that a report has among its key numbers.
-const OF_REPORTS: [KeyQuantity; 14] = [
+const OF_REPORTS: [KeyQuantity; 15] = [
     CRUSH,
     TIME_OF_CRUSH,
     DELTA_V,
@@ -116,6 +118,7 @@ const OF_REPORTS: [KeyQuantity; 14] = [
     PEAK,
     OLC,
     RESTITUTION,
+    STROKE,
     HIC15,
     HIC36,
     CLIP_3MS,

@@ -23,7 +23,7 @@ pub struct Sentence {
 }
 
 /// Labels of lines of the console, and the key number that each is.
-const LINES: [(&str, &str); 11] = [
+const LINES: [(&str, &str); 12] = [
     ("dynamic crush", "dynamic_crush"),
     ("motion over ground", "dynamic_crush"),
     ("time of crush", "time_of_dynamic_crush"),
@@ -31,6 +31,7 @@ const LINES: [(&str, &str); 11] = [
     ("restitution", "coefficient_of_restitution"),
     ("peak", "peak_acceleration"),
     ("OLC", "olc"),
+    ("stroke", "stroke"),
     ("maximum delta-v", "maximum_delta_v"),
     ("lateral delta-v", "maximum_lateral_delta_v"),
     ("EES", "recorded_ees"),

@@ -133,7 +133,7 @@ fn what_is_pushed_has_its_change_of_velocity() {
     let of = |case, file, flags| {
         let found = found(&root, (case, file, flags));
         let delta_v = 3.6 * number(&found["delta_v"]["value"]).abs();
-        (delta_v, found.get("stroke").map(|stroke| number(&stroke["value"])))
+        (delta_v, found.get("stroke").cloned().unwrap_or_default())
     };
     const PUSHED: &str = "T4-m05-pushed-not-stopped";
     for flags in [&["--mass=1400kg"][..], &["--mass=1400kg", "--impact-speed=0km/h"]] {
@@ -142,14 +142,17 @@ fn what_is_pushed_has_its_change_of_velocity() {
     }
     let (delta_v, _) = of(PUSHED, "struck-moving.csv", &["--mass=1400kg", "--impact-speed=30km/h"]);
     assert!((delta_v - 15.0).abs() < 0.2, "{delta_v}");
-    let (delta_v, stroke_m) = of(PUSHED, "sled-from-rest.csv", &[]);
+    let (delta_v, stroke) = of(PUSHED, "sled-from-rest.csv", &[]);
     assert!((delta_v - 50.0).abs() < 0.3, "{delta_v}");
-    // Behind CFC 60 the end of a force is known to a millisecond, in which it rolls 14 mm.
-    assert!((stroke_m.unwrap() - 0.655).abs() < 0.014, "{stroke_m:?}");
+    let [low_m, high_m] = ["low", "high"].map(|end| number(&stroke[end]));
+    assert!((low_m..high_m).contains(&0.655) && high_m - low_m < 0.03, "{stroke}");
     let (delta_v, _) = of("T4-20-sled-that-is-pushed", "sled.csv", &[]);
     assert!((delta_v - 55.0).abs() < 0.3, "{delta_v}");
-    let (delta_v, _) = of("T4-10-struck-vehicle-at-rest", "v90001", &["--vehicle=2"]);
-    assert!((delta_v - 27.5).abs() < 0.3, "{delta_v}");
+    const SECOND_VEHICLE: [&[&str]; 3] = [&["--vehicle=2"], &["--channel=2"], &["--vehicle-number=2"]];
+    for flags in SECOND_VEHICLE {
+        let (delta_v, _) = of("T4-10-struck-vehicle-at-rest", "v90001", flags);
+        assert!((delta_v - 27.5).abs() < 0.3, "{flags:?}: {delta_v}");
+    }
 }
 
 #[test]

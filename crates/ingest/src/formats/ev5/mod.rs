@@ -33,7 +33,10 @@ fn curve_number(name: &str) -> Option<u32> {
 fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
     let (file, bytes, companions) = (bundle.main.name.as_str(), &bundle.main.bytes, &bundle.companions);
     let specification = specification::parse(file, bytes)?;
-    let number = settings.vehicle_number.unwrap_or(1);
+    let number = settings.vehicle_of(|channel| {
+        let curve = specification.curves.iter().find(|curve| channel.parse() == Ok(curve.number))?;
+        Some(curve.vehicle).filter(|vehicle| *vehicle > 0)
+    });
     let vehicle = specification.vehicles.iter().find(|v| v.number == number).ok_or_else(|| {
         let known: Vec<String> = specification.vehicles.iter().map(|v| v.number.to_string()).collect();
         IngestError::content(

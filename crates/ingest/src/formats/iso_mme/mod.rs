@@ -89,7 +89,7 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
             read.fitness = Fitness::of_only(read.channel.quantity, "the only channel of the file");
         }
     } else {
-        let vehicle = settings.vehicle_number.unwrap_or(1);
+        let vehicle = settings.vehicle_of_code();
         for read in channels.iter_mut().filter(|f| f.channel.quantity == QuantityKind::Acceleration) {
             let code = read.channel.code.as_deref().and_then(|c| IsoCode::parse(c).ok());
             read.fitness = code.and_then(|(code, _)| pulse::fitness(&code, vehicle));
@@ -160,7 +160,7 @@ const FACT_LIMIT: usize = 100;
 /// Title, vehicle, mass and speed of the test object asked for, everything else as facts. Mass and speed are found by
 /// words in the keyword, since keywords differ between laboratories; what was taken is noted.
 fn details_of(file: &str, header: &Header, settings: &IngestSettings, notes: &mut Notes) -> Details {
-    let object = settings.vehicle_number.unwrap_or(1);
+    let object = settings.vehicle_of_code();
     let words = |keyword: &str| {
         header.text(keyword).map(|v| Stated { value: v.to_owned(), from: format!("{file}, {keyword}") })
     };

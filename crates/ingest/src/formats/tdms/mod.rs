@@ -39,9 +39,13 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
     warnings.iter().take(12).for_each(|warning| notes.warning(warning.clone()));
 
     let layers = Layers::from_objects(&objects);
-    let vehicle = settings.vehicle_number.unwrap_or(1);
     let all: Vec<&Properties> = objects.iter().map(|object| &object.properties).collect();
-    let is_nhtsa = layers.channels.iter().any(|(k, ..)| curve(&objects[*k].properties).is_some());
+    let curves: Vec<Curve> = layers.channels.iter().filter_map(|(k, ..)| curve(&objects[*k].properties)).collect();
+    let is_nhtsa = !curves.is_empty();
+    let vehicle = settings.vehicle_of(|channel| {
+        let curve = curves.iter().find(|curve| curve.number > 0 && channel.parse() == Ok(curve.number))?;
+        Some(curve.vehicle).filter(|vehicle| *vehicle > 0)
+    });
     let details = if is_nhtsa { test(&all, vehicle) } else { tdm::details(&layers.root_texts()) };
 
     let mut objects = objects;

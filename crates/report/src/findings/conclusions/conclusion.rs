@@ -6,7 +6,7 @@ use crate::phrases::words;
 use crate::phrases::words::fill;
 use crumple_artifact::records::{ConcernV1, MetricV1, ModeV1, PredictedIntervalV1, PredictionV1, StabilizationV1};
 use crumple_signal::About;
-use crumple_signal::key_quantities::{CRUSH, DELTA_V, PEAK, STIFFNESS};
+use crumple_signal::key_quantities::{CRUSH, DELTA_V, OLC, PEAK, STIFFNESS, STROKE};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::borrow::Cow;
@@ -365,27 +365,32 @@ impl<'a> Text<'a> {
                 let time = time.map_or_else(String::new, |time| fill(phrases.within, &[("time", time)]));
                 fill(phrases.two_vehicles, &[("change", &change), ("time", &time)])
             }
-            None => phrases.no_stop_no_end.to_owned(),
+            None => self.changed().unwrap_or_else(|| phrases.no_stop_no_end.to_owned()),
         }
     }
 
-    /// The change of velocity, the peak and the OLC of a pulse without a crush; `None` without a change.
+    /// The change of velocity, the peak, the OLC and the stroke of a pulse without a crush; `None` without a change.
     fn changed(&mut self) -> Option<String> {
         let phrases = &PHRASES.conclusion;
         let metric = |name: &str| self.run.metric(name).and_then(|metric: &MetricV1| Some((metric, metric.value?)));
-        let (delta_v, peak, olc) = (metric("delta_v")?, metric("peak_acceleration"), metric("olc"));
+        let delta_v = metric(DELTA_V.key)?;
         let change = self.number("/metrics/delta_v/value", delta_v.1, DELTA_V.shown());
         let time = delta_v.0.to_s.map_or_else(String::new, |time_s| {
             let time = self.number("/metrics/delta_v/to_s", time_s, in_ms(time_s));
             fill(phrases.within, &[("time", time)])
         });
-        let mut in_g = |at: &str, found: Option<(&MetricV1, f64)>, template: &str, name: &str| {
-            let number = found.map(|(_, value)| self.number(at, value, PEAK.shown()));
-            number.map_or_else(String::new, |number| fill(template, &[(name, number)]))
-        };
-        let peak = in_g("/metrics/peak_acceleration/value", peak, phrases.and_peak, "peak");
-        let olc = in_g("/metrics/olc/value", olc, phrases.and_olc, "olc");
-        Some(fill(phrases.changed, &[("change", change), ("time", time), ("peak", peak), ("olc", olc)]))
+        let further = [
+            (PEAK, phrases.and_peak, "peak"),
+            (OLC, phrases.and_olc, "olc"),
+            (STROKE, phrases.and_stroke, "stroke"),
+        ];
+        let further = further.map(|(quantity, phrase, name)| {
+            let Some((_, value)) = metric(quantity.key) else { return (name, String::new()) };
+            let value = self.number(&format!("/metrics/{}/value", quantity.key), value, quantity.shown());
+            (name, fill(phrase, &[(name, value)]))
+        });
+        let texts: Vec<(&str, String)> = [("change", change), ("time", time)].into_iter().chain(further).collect();
+        Some(fill(phrases.changed, &texts))
     }
 
     /// The identified model that follows the record closest.

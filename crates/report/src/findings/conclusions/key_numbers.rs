@@ -8,7 +8,7 @@ use crate::phrases::words;
 use crumple_artifact::records::{EventIntervalV1, EventsV1, IntervalSourceV1, MetricV1};
 use crumple_signal::key_quantities::{
     CLIP_3MS, CRUSH, DELTA_V, HIC15, HIC36, KeyQuantity, MAXIMUM_DELTA_V, MAXIMUM_LATERAL_DELTA_V, OLC, PEAK,
-    RECORDED_CRUSH, RECORDED_EES, RESTITUTION, TIME_OF_CRUSH, TIME_OF_MAXIMUM_DELTA_V, UNKNOWN,
+    RECORDED_CRUSH, RECORDED_EES, RESTITUTION, STROKE, TIME_OF_CRUSH, TIME_OF_MAXIMUM_DELTA_V, UNKNOWN,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -180,13 +180,13 @@ fn why_no_event(run: &Run, name: &str) -> String {
     stated.unwrap_or_else(|| PHRASES.numbers.velocity_never_zero.to_owned())
 }
 
-/// What a pulse without a motion has: change of velocity, peak, OLC.
+/// What a pulse without a crush has: change of velocity, peak, OLC, stroke.
 fn of_pulse(run: &Run) -> Vec<KeyNumber> {
     let metric = |quantity: &KeyQuantity| {
         let metric = run.metric(quantity.key).filter(|metric| metric.value.is_some())?;
         Some(of_metric(run, quantity, metric))
     };
-    [metric(&DELTA_V), peak(run), metric(&OLC)].into_iter().flatten().collect()
+    [metric(&DELTA_V), peak(run), metric(&OLC), metric(&STROKE)].into_iter().flatten().collect()
 }
 
 /// Criteria of the occupant whose sensor the pulse channel is.
