@@ -1,13 +1,13 @@
 //! How far the uncertainty of the inputs moves motion, events and metrics: repetitions with perturbed inputs.
 
 use crumple_metrics::{
-    CrashEvents, Interval, Metric, Onset, Pulse, PulseImpact, centroid_time_from_crush, crash_events_within, definitions,
-    pulse_metrics,
+    CrashEvents, Interval, Metric, Onset, Pulse, PulseImpact, centroid_time_from_crush, crash_events_within,
+    definitions, pulse_metrics,
 };
 use crumple_numerics::estimation::random::RandomNumbers;
 use crumple_signal::{
-    Acceleration, Distribution, EndCondition, IntegrateError, IntegrationSettings, LateRecord,
-    Motion, STANDARD_GRAVITY_M_PER_S2, Signal, Spread, integrate_from, without_drift,
+    Acceleration, Distribution, EndCondition, IntegrateError, IntegrationSettings, LateRecord, Motion,
+    STANDARD_GRAVITY_M_PER_S2, Signal, Spread, integrate_from, without_drift,
 };
 use crumple_stage::records::QualityV1;
 use rayon::prelude::*;

@@ -176,8 +176,8 @@ impl IngestSettings {
         vehicle_number vehicle title barrier allow_missing
     }
 
-    /// The vehicle whose record is read: the one asked for, else that of the channel asked for, as `of_channel` finds it
-    /// by its name, else 1.
+    /// The vehicle whose record is read: the one asked for, else that of the channel asked for, as `of_channel` finds
+    /// it by its name, else 1.
     pub fn vehicle_of(&self, of_channel: impl Fn(&str) -> Option<u32>) -> u32 {
         self.vehicle_number.or_else(|| of_channel(self.channel.as_deref()?.trim())).unwrap_or(1)
     }

@@ -3,7 +3,8 @@
 use crumple_metrics::definitions::STROKE;
 use crumple_metrics::{Measured, Metric, Onset, SMOOTHING_S, end_of_force, first_event};
 use crumple_signal::{
-    Acceleration, Channel, IntegrationRule, IntegrationSettings, Sampled, Signal, TestDescription, TestKind, integrate_twice,
+    Acceleration, Channel, IntegrationRule, IntegrationSettings, Sampled, Signal, TestDescription, TestKind,
+    integrate_twice,
 };
 use crumple_stage::records::{ImpactsV1, MetricsV2, TestV1};
 use crumple_stage::{Inputs, Outcome, Output, Refused, option};
@@ -139,8 +140,12 @@ fn stroke(
         .unwrap_or(Onset { time_s: change_s, deviation_s: SMOOTHING_S / 2.0 });
     let end = Onset { deviation_s: end.deviation_s.hypot(BEHIND_A_FILTER_S), ..end };
     let metric = Metric::with_value(&STROKE, way.at(end.time_s)?.abs()).over(0.0, end.time_s);
-    let of_speed =
-        task.settings.uncertainty.as_ref().and_then(|stated| stated.impact_speed_m_per_s).filter(|_| speed_m_per_s > 0.0);
+    let of_speed = task
+        .settings
+        .uncertainty
+        .as_ref()
+        .and_then(|stated| stated.impact_speed_m_per_s)
+        .filter(|_| speed_m_per_s > 0.0);
     let interval = integrated.uncertainty.as_ref().and_then(|uncertainty| {
         let uncertainty = Uncertainty { impact_speed_m_per_s: of_speed, ..uncertainty.clone() };
         let settings = IntegrationSettings {

@@ -2,11 +2,10 @@
 
 use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crate::phrases::PHRASES;
-use crate::phrases::words;
-use crate::phrases::words::fill;
+use crate::phrases::words::{self, fill};
 use crumple_artifact::records::{ConcernV1, MetricV1, ModeV1, PredictedIntervalV1, PredictionV1, StabilizationV1};
 use crumple_signal::About;
-use crumple_signal::key_quantities::{CRUSH, DELTA_V, OLC, PEAK, STIFFNESS, STROKE};
+use crumple_signal::key_quantities::{CRUSH, DELTA_V, KeyQuantity, OLC, PEAK, STIFFNESS, STROKE};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::borrow::Cow;
@@ -379,18 +378,14 @@ impl<'a> Text<'a> {
             let time = self.number("/metrics/delta_v/to_s", time_s, in_ms(time_s));
             fill(phrases.within, &[("time", time)])
         });
-        let further = [
-            (PEAK, phrases.and_peak, "peak"),
-            (OLC, phrases.and_olc, "olc"),
-            (STROKE, phrases.and_stroke, "stroke"),
-        ];
-        let further = further.map(|(quantity, phrase, name)| {
-            let Some((_, value)) = metric(quantity.key) else { return (name, String::new()) };
-            let value = self.number(&format!("/metrics/{}/value", quantity.key), value, quantity.shown());
-            (name, fill(phrase, &[(name, value)]))
-        });
-        let texts: Vec<(&str, String)> = [("change", change), ("time", time)].into_iter().chain(further).collect();
-        Some(fill(phrases.changed, &texts))
+        let [peak, olc, stroke] =
+            [(PEAK, phrases.and_peak, "peak"), (OLC, phrases.and_olc, "olc"), (STROKE, phrases.and_stroke, "stroke")]
+                .map(|(KeyQuantity { key, factor, decimals, unit, .. }, phrase, name)| {
+                    let Some((_, value)) = metric(key) else { return (name, String::new()) };
+                    let at = format!("/metrics/{key}/value");
+                    (name, fill(phrase, &[(name, self.number(&at, value, (factor, decimals, unit)))]))
+                });
+        Some(fill(phrases.changed, &[("change", change), ("time", time), peak, olc, stroke]))
     }
 
     /// The identified model that follows the record closest.
