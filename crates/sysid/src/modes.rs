@@ -310,11 +310,13 @@ pub struct PoleRecord {
     pub duration_s: f64,
     /// Whether the model leads from an acceleration to a displacement.
     pub of_motion: bool,
+    /// Decay rate of the exponential window that the record was multiplied with, 1/s; 0: there was none.
+    pub window_per_s: f64,
 }
 
 /// What each continuous pole (1/s, rad/s) of one model is, in their order.
 pub fn pole_kinds(poles: &[Complex], record: PoleRecord) -> Vec<PoleKind> {
-    let PoleRecord { dt_s, duration_s, of_motion } = record;
+    let PoleRecord { dt_s, duration_s, of_motion, .. } = record;
     let within = |limit: f64| move |s: &&Complex| s.norm() * duration_s < limit;
     let is_double = of_motion && poles.iter().filter(within(INTEGRATOR_OF_MOTION)).count() > 1;
     let near_zero = within(if is_double { INTEGRATOR_OF_MOTION } else { INTEGRATOR });
@@ -409,7 +411,7 @@ mod tests {
 
     fn kinds(poles: &[(f64, f64)], of_motion: bool) -> Vec<PoleKind> {
         let poles: Vec<Complex> = poles.iter().map(|(re, im)| Complex::new(*re, *im)).collect();
-        pole_kinds(&poles, PoleRecord { dt_s: 0.01, duration_s: 2.0, of_motion })
+        pole_kinds(&poles, PoleRecord { dt_s: 0.01, duration_s: 2.0, of_motion, window_per_s: 0.0 })
     }
 
     #[test]

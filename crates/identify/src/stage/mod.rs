@@ -56,6 +56,12 @@ impl Stage for Identify {
         if let (_, Some(rule)) = window_start(source)? {
             out.notes().info(rule);
         }
+        if let Some(rate) = settings.window_per_s {
+            out.notes().info(format!(
+                "the exponential window of {} s on the record is taken off every pole: {rate:.4}/s of its decay",
+                rate.recip()
+            ));
+        }
         let mut results = Results::new(out);
         let mut failures: Vec<(Method, Failure)> = Vec::new();
         for &method in &settings.methods {

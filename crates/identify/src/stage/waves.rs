@@ -47,6 +47,8 @@ pub struct WindowedWave {
     pub edges: Vec<FilterEdge>,
     /// Level and slope a sample that were subtracted from all samples.
     pub removed: (f64, f64),
+    /// Decay rate of the exponential window that it was multiplied with, 1/s; 0: there was none.
+    pub window_per_s: f64,
 }
 
 impl WindowedWave {
@@ -61,7 +63,8 @@ impl WindowedWave {
         let cfc = source.test.channel(&id).or_else(|| source.test.channel(channel)).and_then(|c| c.cfc);
         // Without a filter of ours, the class that the record came with.
         let edges = if edges.is_empty() { cfc.into_iter().map(FilterEdge::of_class).collect() } else { edges };
-        Ok(Self { quantity: wave.quantity, sampled: used, kept, edges, id, removed: (0.0, 0.0) })
+        let window_per_s = source.settings.window_per_s.unwrap_or(0.0);
+        Ok(Self { quantity: wave.quantity, sampled: used, kept, edges, id, removed: (0.0, 0.0), window_per_s })
     }
 
     /// All samples, those kept for validation too.
@@ -79,31 +82,42 @@ impl WindowedWave {
         format!("{} {}, {}", self.quantity.name(), self.id, self.quantity.si_unit())
     }
 
-    /// Subtracts the mean over the samples that a model is identified from, also from those kept; says which.
-    pub fn remove_mean(&mut self) -> anyhow::Result<String> {
+    /// Subtracts the mean over the samples that a model is identified from, also from those kept.
+    fn remove_mean(&mut self) -> anyhow::Result<()> {
         let mean = self.sampled.samples().iter().sum::<f64>() / self.sampled.len().max(1) as f64;
-        let centred = self.sampled.samples().iter().map(|x| x - mean).collect();
-        self.sampled = Sampled::new(self.sampled.t0_s(), self.sampled.dt_s(), centred)?;
-        self.kept.iter_mut().for_each(|x| *x -= mean);
-        self.removed = (mean, 0.0);
-        Ok(format!("the mean of the samples identified from, {mean:.6}{}, was removed from {}", self.unit(), self.id))
+        self.remove(mean, 0.0)
     }
 
     /// The same with the straight line through them.
-    pub fn remove_trend(&mut self) -> anyhow::Result<String> {
+    fn remove_trend(&mut self) -> anyhow::Result<()> {
         let (intercept, slope) = straight_line(self.sampled.samples());
-        let level = |k: usize| intercept + slope * k as f64;
+        self.remove(intercept, slope)
+    }
+
+    fn remove(&mut self, level: f64, slope: f64) -> anyhow::Result<()> {
+        let at = |k: usize| level + slope * k as f64;
         let used = self.sampled.len();
-        let rest = self.sampled.samples().iter().enumerate().map(|(k, x)| x - level(k)).collect();
+        let rest = self.sampled.samples().iter().enumerate().map(|(k, x)| x - at(k)).collect();
         self.sampled = Sampled::new(self.sampled.t0_s(), self.sampled.dt_s(), rest)?;
-        self.kept.iter_mut().enumerate().for_each(|(k, x)| *x -= level(used + k));
-        self.removed = (intercept, slope);
-        Ok(format!(
-            "the straight line through the samples identified from, slope {:.6}{}/s, was removed from {}",
-            slope / self.sampled.dt_s(),
-            self.unit(),
-            self.id
-        ))
+        self.kept.iter_mut().enumerate().for_each(|(k, x)| *x -= at(used + k));
+        self.removed = (level, slope);
+        Ok(())
+    }
+
+    /// What was subtracted, in words.
+    pub fn removed_in_words(&self) -> Option<String> {
+        let (level, slope) = self.removed;
+        let (unit, id) = (self.unit(), &self.id);
+        match (level, slope) {
+            (0.0, 0.0) => None,
+            (mean, 0.0) => {
+                Some(format!("the mean of the samples identified from, {mean:.6}{unit}, was removed from {id}"))
+            }
+            _ => Some(format!(
+                "the straight line through the samples identified from, slope {:.6}{unit}/s, was removed from {id}",
+                slope / self.sampled.dt_s(),
+            )),
+        }
     }
 
     /// The unit behind a blank; nothing where it is 1.
@@ -207,12 +221,19 @@ fn outputs(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow::Re
     waves(input_output.outputs.clone(), source)
 }
 
-/// The windows of waveforms, any quantity.
+/// The windows of waveforms, any quantity, without the mean or the straight line that is to be removed.
 pub fn waves(ids: Vec<String>, source: Source<'_>) -> anyhow::Result<Vec<WindowedWave>> {
+    let asked = source.settings.input_output.as_ref();
     ids.into_iter()
         .map(|id| {
             let wave = find_wave(&id, source)?;
-            WindowedWave::new(id, wave, source)
+            let mut wave = WindowedWave::new(id, wave, source)?;
+            match asked {
+                Some(asked) if asked.remove_trend => wave.remove_trend()?,
+                Some(asked) if asked.remove_mean => wave.remove_mean()?,
+                _ => {}
+            }
+            Ok(wave)
         })
         .collect()
 }
@@ -244,15 +265,11 @@ pub fn record(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow:
         several => several.to_vec(),
     };
     let mut inputs = waves(ids, source)?;
-    let mut remarks = Vec::new();
-    let removes_mean = input_output.remove_mean || input_output.remove_mean_unless_crash && !source.is_of_a_crash();
-    for wave in outputs.iter_mut().chain(&mut inputs) {
-        if input_output.remove_trend {
-            remarks.push(wave.remove_trend()?);
-        } else if removes_mean {
-            remarks.push(wave.remove_mean()?);
-        }
+    let is_asked = input_output.remove_mean || input_output.remove_trend;
+    if input_output.remove_mean_unless_crash && !is_asked && !source.is_of_a_crash() {
+        outputs.iter_mut().chain(&mut inputs).try_for_each(WindowedWave::remove_mean)?;
     }
+    let remarks = outputs.iter().chain(&inputs).filter_map(WindowedWave::removed_in_words).collect();
     let first = &outputs[0];
     for other in inputs.iter().chain(&outputs[1..]) {
         let (inputs, outputs) = (flag("inputs"), flag("outputs"));

@@ -55,8 +55,8 @@ impl FilterEdge {
 }
 
 /// Notes on the realisation `id`: on its poles ([`pole_notes`]), and on a weakly founded order. `edges` are
-/// those of the filter that the record of `duration_s` seconds went through.
-pub fn caveats(id: &str, model: &Realization, duration_s: f64, edges: &[FilterEdge]) -> Notes {
+/// those of the filter that the `record` went through.
+pub fn caveats(id: &str, model: &Realization, record: PoleRecord, edges: &[FilterEdge]) -> Notes {
     let mut notes = Notes::new();
     let order = model.order();
     if let Some(gap) = model.chosen {
@@ -76,9 +76,8 @@ pub fn caveats(id: &str, model: &Realization, duration_s: f64, edges: &[FilterEd
     if model.modes.iter().any(|identified| identified.mode.is_none()) {
         notes.warning(format!("{id}: a pole at z = 0 is a pure delay and has no frequency"));
     }
-    let dt_s = model.discrete.sample_time_s.unwrap_or(0.0);
     let poles: Vec<Complex> = model.modes.iter().filter_map(|identified| Some(identified.mode?.pole)).collect();
-    notes.extend(pole_notes(id, &poles, PoleRecord { dt_s, duration_s, of_motion: false }, edges));
+    notes.extend(pole_notes(id, &poles, record, edges));
     notes
 }
 
@@ -87,8 +86,9 @@ pub fn caveats(id: &str, model: &Realization, duration_s: f64, edges: &[FilterEd
 /// upper one speaks; of integrators neither, for which of them seems to grow is noise.
 pub fn pole_notes(model: &str, poles: &[Complex], record: PoleRecord, edges: &[FilterEdge]) -> Notes {
     let mut notes = Notes::new();
-    let PoleRecord { dt_s, duration_s, of_motion } = record;
-    let kinds = pole_kinds(poles, record);
+    let PoleRecord { dt_s, duration_s, of_motion, window_per_s } = record;
+    let poles: Vec<Complex> = poles.iter().map(|pole| pole + window_per_s).collect();
+    let kinds = pole_kinds(&poles, record);
     let integrators = kinds.iter().filter(|kind| **kind == PoleKind::Integrator).count();
     let grows = |(pole, kind): &(&Complex, &PoleKind)| pole.re * duration_s > GROWTH && **kind != PoleKind::Integrator;
     let upper = || poles.iter().zip(&kinds).filter(|(pole, _)| pole.im >= 0.0);

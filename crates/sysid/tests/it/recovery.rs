@@ -1,7 +1,7 @@
 //! ERA on systems made here: known poles come back over orders, rates and shapes; what cannot work says so.
 
 use crumple_numerics::lti::{Complex, impulse_response};
-use crumple_sysid::{Decomposition, Era, EraError, EraOptions, Order, era};
+use crumple_sysid::{Decomposition, Era, EraError, EraOptions, Order, PoleRecord, Realization, era};
 use proptest::prelude::*;
 
 /// Sum of damped waves `amplitude e^{sigma t} cos(omega t + phase)` at `t = dt, 2 dt, ...`, after a first sample `d`.
@@ -115,7 +115,7 @@ fn same_record_gives_the_same_bits() {
         .enumerate()
         .map(|(k, a)| a + 0.5 * ((k * k) as f64 * 0.37).sin())
         .collect();
-    let bits = |m: &crumple_sysid::Realization| m.discrete.a.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+    let bits = |m: &Realization| m.discrete.a.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
     let (first, second) = (era(&y, given(4, 1e-4)).unwrap(), era(&y, given(4, 1e-4)).unwrap());
     assert_eq!(bits(&first), bits(&second));
     assert_eq!(first, second);
@@ -178,13 +178,19 @@ fn refuses_what_it_cannot_work_on_and_says_what_it_needs() {
     assert!(matches!(era(&y, huge), Err(EraError::TooShort { .. })));
 }
 
+/// The record of a model, as its poles are concerned.
+fn during(model: &Realization, duration_s: f64) -> PoleRecord {
+    let dt_s = model.discrete.sample_time_s.unwrap_or(0.0);
+    PoleRecord { dt_s, duration_s, of_motion: false, window_per_s: 0.0 }
+}
+
 #[test]
 fn alternating_record_is_reported_as_having_no_continuous_model() {
     let y: Vec<f64> = (0..60).map(|k| (-0.8_f64).powi(k)).collect();
     let model = era(&y, given(1, 1e-3)).unwrap();
     let reason = model.continuous.clone().unwrap_err().to_string();
     assert!(reason.contains("negative real axis"), "{reason}");
-    let notes = crumple_sysid::caveats("era", &model, 0.06, &[]).to_texts();
+    let notes = crumple_sysid::caveats("era", &model, during(&model, 0.06), &[]).to_texts();
     assert!(notes.iter().any(|n| n.contains("no continuous model")), "{notes:?}");
     assert!(notes.iter().any(|n| n.contains("artefact of sampling")), "{notes:?}");
 }
@@ -195,8 +201,10 @@ fn growing_modes_and_modes_at_the_filter_edge_are_named() {
     let omega = std::f64::consts::TAU * 100.0;
     let y = record(&[(3.0, omega, 50.0, 0.0)], 50.0, 1e-3, 401);
     let model = era(&y, given(2, 1e-3)).unwrap();
-    let notes =
-        |cfc| crumple_sysid::caveats("era", &model, 0.4, &[crumple_sysid::FilterEdge::of_class(cfc)]).to_texts();
+    let notes = |cfc| {
+        crumple_sysid::caveats("era", &model, during(&model, 0.4), &[crumple_sysid::FilterEdge::of_class(cfc)])
+            .to_texts()
+    };
     assert!(notes(60).iter().any(|n| n.contains("100 Hz edge of the CFC 60 filter")), "{:?}", notes(60));
     assert_eq!(notes(60).iter().filter(|n| n.contains("grows")).count(), 1);
     assert_eq!(notes(1000).len(), 1, "{:?}", notes(1000));
@@ -230,7 +238,7 @@ proptest! {
                 let pole = mode.mode.map(|m| m.pole);
                 prop_assert!(pole.is_none_or(|p| p.re.is_finite() && p.im.is_finite()));
             }
-            crumple_sysid::caveats("era", &model, 6e-3, &[crumple_sysid::FilterEdge::of_class(60)]);
+            crumple_sysid::caveats("era", &model, during(&model, 6e-3), &[crumple_sysid::FilterEdge::of_class(60)]);
         }
     }
 }

@@ -256,7 +256,10 @@ fn poles(input: &Value) -> Value {
     };
     let mut all = pairs("poles_per_s");
     all.extend(continuous(&pairs("poles_discrete"), dt_s));
-    let kinds = pole_kinds(&all, PoleRecord { dt_s, duration_s: number(input, "duration_s"), of_motion: false });
+    let kinds = pole_kinds(
+        &all,
+        PoleRecord { dt_s, duration_s: number(input, "duration_s"), of_motion: false, window_per_s: 0.0 },
+    );
     let of_modes = all.iter().zip(&kinds).filter(|(_, kind)| **kind == PoleKind::Mode).map(|(s, _)| *s);
     let found = modes(of_modes);
     json!({
@@ -276,7 +279,7 @@ fn motion(input: &Value) -> Value {
     let fit = transfer_function_fit(&data, &options).unwrap();
     let poles: Vec<Complex> = fit.modes.iter().map(|mode| mode.pole).collect();
     let duration_s = dt(input) * data.samples() as f64;
-    let kinds = pole_kinds(&poles, PoleRecord { dt_s: dt(input), duration_s, of_motion: false });
+    let kinds = pole_kinds(&poles, PoleRecord { dt_s: dt(input), duration_s, of_motion: false, window_per_s: 0.0 });
     let mut what: Vec<&str> = kinds.iter().map(|kind| kind_name(*kind)).collect();
     what.sort_unstable();
     let found = modes(poles.into_iter());

@@ -11,6 +11,7 @@ mod earlier_runs;
 mod first_screen;
 mod fleet;
 mod formats;
+mod identify_cases;
 mod just_run;
 mod known_truth_chain;
 mod main_job;

@@ -8,6 +8,7 @@ use crate::stage::options::choices::{Method, Paper};
 use crate::stage::options::orders::OrderOption;
 use crate::stage::options::paper;
 use crate::stage::options::settings::Settings;
+use crate::stage::records::evidence::pole_record;
 use crate::stage::records::realization;
 use crate::stage::records::realization::{RealizationTask, put_realization};
 use crate::stage::records::results::Results;
@@ -39,6 +40,7 @@ pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outc
     };
     let names = channels.join(", ");
     let waves = sampled_together(channels, source)?;
+    waves.iter().filter_map(WindowedWave::removed_in_words).for_each(|text| results.out.notes().info(text));
     let free = settings.hankel.as_ref().is_some_and(|hankel| hankel.free_decay_share.is_some());
     let treated_as = if free { "free-decay" } else { "impulse-response" };
     if !free {
@@ -106,6 +108,7 @@ fn run_paper(task: &EraRun<'_>, results: &mut Results<'_>) -> anyhow::Result<Out
                 kept: Vec::new(),
                 edges: wave.edges.clone(),
                 removed: wave.removed,
+                window_per_s: wave.window_per_s,
             })
             .collect();
         let available = shorter[0].sampled.len();
@@ -182,8 +185,8 @@ fn realize_all(
             paper: !remarks.is_empty(),
             refit: &refit,
         };
-        let duration_s = dt_s * waves[0].sampled.len() as f64;
-        let mut notes = caveats(&realization.id(model.order()), &model, duration_s, filter_edges(waves));
+        let record = pole_record(&[&waves[0]]);
+        let mut notes = caveats(&realization.id(model.order()), &model, record, filter_edges(waves));
         remarks.iter().for_each(|remark| notes.info(*remark));
         put_realization(&model, &realization, notes, results)?;
     }

@@ -30,6 +30,7 @@ struct SumTask {
 pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
     let Some(input_output) = &source.settings.input_output else { return Ok(Outcome::Done) };
     let answer = output(source, input_output)?;
+    answer.removed_in_words().into_iter().for_each(|text| results.out.notes().info(text));
     let id = format!("exponentials-{}", input_output.terms);
     let options = |real: bool, start: Vec<f64>| ExponentialOptions {
         real,

@@ -99,13 +99,18 @@ pub struct Options {
     /// expected in these, and a best one beyond them is said. Default: 0.
     #[arg(long)]
     pub delay: Option<Delay>,
-    /// Remove the mean over the samples identified from, from inputs and outputs of methods with both (also from the
-    /// samples kept by --validate-from). Default: false; true with --methods auto of records that are no crash.
+    /// Remove the mean over the samples identified from, from every waveform that a method takes (also from the samples
+    /// kept by --validate-from). Default: false; true of inputs and outputs with --methods auto of records that are no
+    /// crash.
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     pub remove_mean: Option<bool>,
     /// The same with a straight line instead of the mean. Default: false.
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     pub remove_trend: Option<bool>,
+    /// Time constant τ of the exponential window exp(-t/τ) that the analyser multiplied the response with, e.g. 120ms:
+    /// the damping that it adds to every mode, 1/(τω), is taken off. Default: no window.
+    #[arg(long)]
+    pub window_time_constant: Option<Time>,
     /// Number of exponential terms; a damped wave counts as two. Default: 4.
     #[arg(long)]
     pub terms: Option<u32>,

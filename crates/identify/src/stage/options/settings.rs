@@ -34,7 +34,8 @@ pub struct Settings {
     pub samples: Option<usize>,
     /// Channel, if not the pulse.
     pub channel: Option<String>,
-    /// What the methods other than `era` need; absent where `era` is alone.
+    /// What the methods other than `era` need, and what is taken off the waveforms; absent where `era` is alone and
+    /// nothing is.
     #[serde(rename = "beyond_era", skip_serializing_if = "Option::is_none")]
     pub input_output: Option<InputOutputSettings>,
     /// What methods through Markov parameters need beyond plain ERA; absent for the latter.
@@ -44,6 +45,9 @@ pub struct Settings {
     pub from_s: f64,
     /// End of the window, s, if not the end of the record.
     pub to_s: Option<f64>,
+    /// Decay rate of the exponential window on the record, 1/s, if there was one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub window_per_s: Option<f64>,
     /// Stabilisation diagram, if asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stabilisation: Option<Stabilisation>,
@@ -97,7 +101,14 @@ impl Settings {
             return Err(Usage::new(format!("{name} is 0, a positive number is needed")));
         }
         let size = |n: Option<u32>| n.map(|n| n as usize);
-        let with_input = options.methods.iter().any(|method| !method.is_of_free_motion());
+        let window_per_s = options.window_time_constant.map(|constant| constant.si().recip());
+        if window_per_s.is_some_and(|rate| !(rate > 0.0 && rate.is_finite())) {
+            return Err(Usage::new("window_time_constant is not a positive time")
+                .hint("give the τ of exp(-t/τ) as the analyser states it, e.g. 120ms"));
+        }
+        // What is taken off the waveforms is, whatever the method.
+        let removes = options.remove_mean == Some(true) || options.remove_trend == Some(true);
+        let with_input = removes || options.methods.iter().any(|method| !method.is_of_free_motion());
         let input_output = with_input.then(|| InputOutputSettings::resolve(&options, auto)).transpose()?;
         let hankel = HankelSettings::resolve(&options)?;
         Ok(Self {
@@ -112,6 +123,7 @@ impl Settings {
             channel: options.channel,
             from_s,
             to_s,
+            window_per_s,
             stabilisation,
             bootstrap,
             validate_from_s,

@@ -2,7 +2,9 @@
 
 use crumple_numerics::lti::{Complex, Mode};
 use crumple_signal::{Notes, QuantityKind};
-use crumple_stage::records::{EvidenceV1, IdentificationV1, ModeKindV1, ModeV1, ModesV2, OtherPoleKindV1, OtherPoleV1};
+use crumple_stage::records::{
+    EvidenceV1, IdentificationV1, ModeKindV1, ModeV1, ModesV2, OtherPoleKindV1, OtherPoleV1, SpreadV1,
+};
 use crumple_sysid::{
     InformationCriteria, PoleKind, PoleRecord, ResidualTests, SearchOutcome, autoregressive_effective_samples,
     fit_measures, pole_kinds, pole_notes, residual_tests,
@@ -16,11 +18,14 @@ use crate::stage::waves::{WindowedWave, filter_edges};
 pub struct Poles {
     entries: Vec<ModeV1>,
     kinds: Vec<PoleKind>,
+    /// Frequency, rad/s, and damping ratio that an exponential window added to each.
+    of_window: Vec<(f64, f64)>,
 }
 
 impl Poles {
     /// Of entries with whatever the method knows of each.
     pub fn new(mut entries: Vec<ModeV1>, record: PoleRecord) -> Self {
+        let of_window = entries.iter_mut().map(|entry| without_window(entry, record.window_per_s)).collect();
         let poles: Vec<Complex> = entries.iter().map(|pole| Complex::new(pole.re_per_s, pole.im_rad_per_s)).collect();
         let kinds = pole_kinds(&poles, record);
         for (entry, kind) in entries.iter_mut().zip(&kinds) {
@@ -31,7 +36,7 @@ impl Poles {
                 PoleKind::Integrator | PoleKind::BeyondNyquist => None,
             };
         }
-        Self { entries, kinds }
+        Self { entries, kinds, of_window }
     }
 
     /// Of continuous poles, with their discrete counterparts where the model is sampled.
@@ -82,12 +87,44 @@ impl Poles {
         }
     }
 
+    /// Takes what an exponential window added off the intervals of the modes, as off the modes.
+    pub fn take_window_off(&self, evidence: &mut [EvidenceV1]) {
+        let of_modes = || self.of_window.iter().zip(self.are_modes()).filter_map(|(added, is)| is.then_some(added));
+        let less = |spreads: &mut [Option<SpreadV1>], of: fn(&(f64, f64)) -> f64| {
+            for (spread, added) in spreads.iter_mut().zip(of_modes()) {
+                if let Some(spread) = spread {
+                    spread.lower -= of(added);
+                    spread.upper -= of(added);
+                }
+            }
+        };
+        for EvidenceV1 { frequency_spreads, damping_spreads, .. } in evidence {
+            less(frequency_spreads, |added| added.0);
+            less(damping_spreads, |added| added.1);
+        }
+    }
+
     fn keep<T>(&self, of_poles: &mut Vec<T>) {
         if of_poles.len() == self.kinds.len() {
             let mut are_modes = self.are_modes();
             of_poles.retain(|_| are_modes.next().unwrap_or(true));
         }
     }
+}
+
+/// Moves a pole back by the decay rate of an exponential window, `s + 1/τ`: the response `e^(st)` was recorded as
+/// `e^(st) e^(-t/τ)`. Returns what the window had added to frequency, rad/s, and damping ratio.
+fn without_window(entry: &mut ModeV1, window_per_s: f64) -> (f64, f64) {
+    if window_per_s == 0.0 {
+        return (0.0, 0.0);
+    }
+    let measured = (entry.natural_frequency_rad_per_s, entry.damping_ratio);
+    let mode = Mode::continuous(Complex::new(entry.re_per_s + window_per_s, entry.im_rad_per_s));
+    entry.re_per_s = mode.pole.re;
+    entry.natural_frequency_rad_per_s = mode.natural_frequency_rad_per_s;
+    entry.damping_ratio = mode.damping_ratio;
+    let damping = measured.1.zip(mode.damping_ratio).map_or(0.0, |(with, without)| with - without);
+    (measured.0 - mode.natural_frequency_rad_per_s, damping)
 }
 
 /// The entry of a pole of which no more is known.
@@ -201,7 +238,8 @@ pub fn pole_record(waves: &[&WindowedWave]) -> PoleRecord {
     let (dt_s, samples) = waves.first().map_or((0.0, 0), |wave| (wave.sampled.dt_s(), wave.sampled.len()));
     let quantities: Vec<QuantityKind> = waves.iter().map(|wave| wave.quantity).collect();
     let of_motion = quantities == [QuantityKind::Displacement, QuantityKind::Acceleration];
-    PoleRecord { dt_s, duration_s: dt_s * samples as f64, of_motion }
+    let window_per_s = waves.first().map_or(0.0, |wave| wave.window_per_s);
+    PoleRecord { dt_s, duration_s: dt_s * samples as f64, of_motion, window_per_s }
 }
 
 /// Takes the figures of a simulation out, which are no verdict on a record that nobody knows the input of.

@@ -142,6 +142,7 @@ impl FittedModel<'_> {
         }
         let mut evidence = std::mem::take(&mut self.evidence);
         self.poles.keep_those_of_modes(&mut evidence);
+        self.poles.take_window_off(&mut evidence);
         let mut identification = self.identification();
         if ambient {
             without_simulation(&mut identification, &mut evidence);
