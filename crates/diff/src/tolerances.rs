@@ -87,11 +87,11 @@ fn of_open_simulation(place: &str, unit: Option<Unit>) -> Tolerance {
 }
 
 /// Whether two rankings of a summary differ only in the order of candidates that are equally good on both sides: fits
-/// within 0.1 points, or AICc within 2 (Burnham and Anderson 2002, section 2.6).
+/// within 0.1 points, or criteria within 2 (Burnham and Anderson 2002, section 2.6).
 pub(crate) fn same_ranking(key: &str, a: &Map<String, Value>, b: &Map<String, Value>) -> bool {
     let (figures, equal) = match key {
-        "ranking" => (&["fit_as_measured_percent", "fit_percent"][..], EQUAL_FIT_POINTS),
-        "ranking_by_aicc" => (&["aicc"][..], 2.0),
+        "ranking" => (&["simulation/fit_as_measured_percent", "simulation/fit_percent"][..], EQUAL_FIT_POINTS),
+        "ranking_by_aicc" => (&["difference_with_priors"][..], 2.0),
         _ => return false,
     };
     let ids = |side: &Map<String, Value>| -> Option<Vec<String>> {
@@ -99,8 +99,8 @@ pub(crate) fn same_ranking(key: &str, a: &Map<String, Value>, b: &Map<String, Va
     };
     let figure_of = |side: &Map<String, Value>, id: &str| {
         let all = side.get("candidates")?.as_array()?;
-        let simulation = &all.iter().find(|candidate| candidate["id"] == id)?["simulation"];
-        figures.iter().find_map(|figure| simulation[*figure].as_f64())
+        let candidate = all.iter().find(|candidate| candidate["id"] == id)?;
+        figures.iter().find_map(|figure| candidate.pointer(&format!("/{figure}"))?.as_f64())
     };
     let apart = |side, x: &str, y: &str| Some((figure_of(side, x)? - figure_of(side, y)?).abs());
     let tied = |x: &str, y: &str| [a, b].into_iter().all(|side| apart(side, x, y).is_some_and(|d| d <= equal));
@@ -240,11 +240,12 @@ const ASIDE: [Row; 5] = [
 /// the closest candidate's residual, known to a tenth at best. Models whose criteria are less than 2 apart are equally
 /// supported (Burnham and Anderson 2002, section 2.6). A criterion is a sum over the effective samples, and known as
 /// well as their number.
-const ESTIMATED: [Row; 4] = [
+const ESTIMATED: [Row; 5] = [
     ("/simulation/*", "effective_samples", tolerance(0.0, 0.1)),
     ("/simulation/*", "aicc", tolerance(0.2, 0.1)),
     ("summary.json", "candidates*effective_samples", tolerance(0.0, 0.1)),
     ("summary.json", "candidates*aicc", tolerance(0.2, 0.1)),
+    ("summary.json", "candidates*difference_with_priors", tolerance(0.2, 0.1)),
 ];
 
 /// The last bit differs between processors (fused multiply-add, order of sums in matrix kernels). A last bit changed in

@@ -247,9 +247,8 @@ fn beside_the_test(
         time_of_dynamic_crush_error_s: difference(events.time_of_dynamic_crush_s, test.time_of_dynamic_crush_s),
         ratings: rated,
     };
-    let error_m = xh.iter().zip(x).map(|(model, test)| model - test).collect();
     let compartment = masses.len().saturating_sub(1);
-    Ok(Simulation { motion, events, comparison, masses, compartment, error_m, dynamics })
+    Ok(Simulation { motion, events, comparison, masses, compartment, dynamics })
 }
 
 /// First zero of the velocity from above, between two samples: `t_m = t[k-1] + T·v[k-1]/(v[k-1] - v[k])`,

@@ -2,13 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use crumple_artifact::WriteError;
 use crumple_lumped::{Model, Parameter, ParameterKind};
 use crumple_lumped_fit::{
     Assessed, BlockBootstrap, Candidate, Fit, Matched, Minimum, Profile, Propagation, SensorFit, Uncertainty,
     all_in_words,
 };
-use crumple_signal::{About, Weight};
 use crumple_stage::Output;
 use crumple_stage::records::{
     CandidateV1, FitV1, MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1, PhysicalCoordinatesV1,
@@ -35,12 +33,8 @@ pub fn write_candidates<'a>(
     let mut written = Vec::new();
     for candidate in candidates {
         let one = AssessedCandidate { candidate, record: record(candidate, channel) };
-        if let Err(error) = out.put(&format!("/parameters/{}", candidate.id()), &one.record) {
-            // A wild root takes no other candidate with it.
-            let Some(WriteError::Impossible { field, value, .. }) = error.downcast_ref() else { return Err(error) };
-            let id = candidate.id();
-            let text = format!("{id} is left out: its {field} is {value:e}, which is no number of a vehicle");
-            out.notes().concern(About::Model(id), Weight::Slight, text);
+        let id = candidate.id();
+        if !out.put_candidate(&format!("/parameters/{id}"), &id, &one.record)? {
             continue;
         }
         out.summary(parameters_line(&one));

@@ -7,12 +7,10 @@ mod records;
 use std::path::PathBuf;
 
 use crate::{
-    Excitation, Measured, OtherSensor, SensorFit, SimulateError, Simulation, Window, beside, beside_mass, information,
-    simulate_chain, simulate_driven,
+    Excitation, Measured, OtherSensor, SensorFit, SimulateError, Simulation, Window, beside, beside_mass, simulate_chain, simulate_driven,
 };
 use crumple_lumped::{LumpedError, Model, ModelKind};
 use crumple_lumped_fit::WallForce;
-use crumple_numerics::estimation::statistics::effective_samples;
 use crumple_signal::{About, Acceleration, Displacement, Sampled, TestDescription, Velocity, Weight};
 use crumple_stage::records::{CandidateV1, EventsV1, TestV1};
 use crumple_stage::{
@@ -22,7 +20,7 @@ use rayon::prelude::*;
 
 use crate::stage::options::{ChainSettings, Options, Settings};
 use crate::stage::records::{
-    BesideTest, fitted_parameters, mass_of_occupant, mass_of_pulse, other_sensors, sensor_record, summary_line,
+    BesideTest, mass_of_occupant, mass_of_pulse, other_sensors, sensor_record, summary_line,
     was_fitted, write_simulation,
 };
 
@@ -104,11 +102,8 @@ impl Stage for Simulate {
             .collect::<anyhow::Result<_>>()?;
 
         out.put("/test", &TestV1::from(&test))?;
-        let simulations = || results.iter().chain(&chains).flatten();
         let comparison = ComparisonWithTest {
             displacement: &displacement,
-            // The most that any candidate's error is worth: a smooth error makes no candidate good.
-            effective_samples: simulations().filter_map(|s| effective_samples(&s.error_m)).reduce(f64::max),
             others: other_sensors(input, &test, channel)?,
             wall: wall_force(input, &events)?.filter(|_| drive.is_none()),
             impact_speed_m_per_s,
@@ -223,8 +218,6 @@ fn wall_force(input: &Inputs, events: &EventsV1) -> anyhow::Result<Option<WallFo
 /// What every simulation of a test is compared with.
 struct ComparisonWithTest<'a> {
     displacement: &'a Sampled,
-    /// Independent samples of the displacement error, one number for all candidates.
-    effective_samples: Option<f64>,
     others: Vec<OtherSensor>,
     /// The force on the wall; none where something else than the impact moves the models.
     wall: Option<WallForce>,
@@ -253,16 +246,12 @@ impl ComparisonWithTest<'_> {
             }
         };
         out.summary(summary_line(id, &simulation));
-        let mean_square = simulation.comparison.rmse_displacement_m.map(|rmse| rmse * rmse);
-        let criterion =
-            self.effective_samples.zip(mean_square).map(|(n, v)| information(v, n, fitted_parameters(record, model)));
         let dt_s = self.displacement.dt_s();
         let sensors =
             self.others.iter().filter_map(|sensor| beside(&simulation, sensor, dt_s)).map(sensor_record).collect();
         let structure = model.as_ref().ok().and_then(|model| model.structure().ok());
         let force = self.wall.as_ref().filter(|_| drive.is_none()).zip(structure);
         let beside_test = BesideTest {
-            information: criterion,
             other_sensors: sensors,
             force_misfit_percent: force.and_then(|(wall, s)| wall.misfit_percent(&s, self.impact_speed_m_per_s)),
             impact_speed_m_per_s: self.impact_speed_m_per_s,
