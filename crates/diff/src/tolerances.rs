@@ -61,8 +61,8 @@ impl Candidate {
         if place.starts_with("fit.") && place.ends_with("_s") {
             return None;
         }
-        match place.strip_prefix("simulation.") {
-            Some(of_simulation) => Some(of_open_simulation(of_simulation, unit)),
+        match place.strip_prefix("simulation.").or(place.strip_prefix("evaluation.")) {
+            Some(figure) => Some(of_open_simulation(figure, unit)),
             None if place.starts_with("uncertainty") || place.starts_with("fit") || place.starts_with("notes") => {
                 Some(Tolerance::ANY)
             }
@@ -253,7 +253,7 @@ const ESTIMATED: [Row; 5] = [
 /// parameters by up to 7e-7, since an iteration stops where its own criterion is met, not at the last bit. The table
 /// leaves room beyond that; a standard deviation comes from an inverse and gets more.
 /// The absolute floors are for what is zero but for rounding: 1e-12 of an SI unit, 1e-9 for errors of fits.
-const COMPUTATION: [Row; 14] = [
+const COMPUTATION: [Row; 15] = [
     // Responses of fitted candidates: /wave/<model>/<method>/<index>/<quantity>.
     ("/wave/*/*/*/*", "*", tolerance(0.0, 1e-5)),
     ("/wave/*", "*", tolerance(0.0, 1e-9)),
@@ -266,6 +266,8 @@ const COMPUTATION: [Row; 14] = [
     ("/evidence/*", "*", tolerance(1e-9, 1e-6)),
     // How sure a parameter is, is not known to more than this; of perfect records the residuals are rounding errors.
     ("/parameters/*", "uncertainty.*", tolerance(0.0, 0.1)),
+    // As those of the simulation: of a perfect fit an error is rounding.
+    ("/parameters/*", "evaluation.*", tolerance(1e-6, 1e-5)),
     ("/parameters/*", "*", tolerance(1e-9, 1e-5)),
     // What it compares are fits and their motion; of a perfect fit the misfit is a rounding error.
     ("/recommendation", "*", tolerance(1e-6, 1e-5)),

@@ -209,6 +209,14 @@ pub struct Window {
     pub to_s: Option<f64>,
 }
 
+impl Window {
+    /// The end stated, else dynamic crush, else the end of the displacement, and never after that, s.
+    pub(crate) fn end_s(&self, test: &Measured<'_>) -> f64 {
+        let end_s = test.displacement.end_s();
+        self.to_s.or(test.time_of_dynamic_crush_s).unwrap_or(end_s).min(end_s)
+    }
+}
+
 /// A model beside the test. A number is `None` where a record is missing, has no variation (fits) or leaves the range
 /// of numbers.
 #[derive(Debug, Clone, PartialEq)]
@@ -223,8 +231,6 @@ pub struct Comparison {
     pub max_displacement_error_m: Option<f64>,
     /// Fit of the displacement, percent.
     pub fit_displacement_percent: Option<f64>,
-    /// The same of the model measured as the record was; `None` under a drive.
-    pub fit_as_measured_percent: Option<f64>,
     /// Fit of the velocity, percent.
     pub fit_velocity_percent: Option<f64>,
     /// Fit of the acceleration, percent.

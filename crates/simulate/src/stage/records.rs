@@ -9,11 +9,18 @@ use crumple_stage::{Inputs, Output, RefuseExt};
 /// What a simulation is compared with beside the motion of the pulse.
 pub struct BesideTest {
     pub other_sensors: Vec<OtherSensorV1>,
-    /// Misfit of the force on the wall, percent.
-    pub force_misfit_percent: Option<f64>,
+    /// Displacement fit as measured, and misfit of the force on the wall, percent.
+    pub as_measured: AsMeasured,
     pub impact_speed_m_per_s: f64,
     /// What moves the model where it is not the impact alone, in words.
     pub drive: Option<String>,
+}
+
+/// Figures of a model that was measured as the record was, percent; none under a drive.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct AsMeasured {
+    pub fit_percent: Option<f64>,
+    pub force_misfit_percent: Option<f64>,
 }
 
 /// Writes the record of a simulation and the waves of every mass, spring and damper.
@@ -27,7 +34,7 @@ pub fn write_simulation(
     grid: &Sampled,
     out: &mut Output,
 ) -> anyhow::Result<()> {
-    let BesideTest { other_sensors, force_misfit_percent, impact_speed_m_per_s, drive } = beside;
+    let BesideTest { other_sensors, as_measured, impact_speed_m_per_s, drive } = beside;
     let Simulation { motion, mut events, comparison, compartment, dynamics, .. } = simulation;
     let notes = notes_on(candidate, &mut events, dynamics.as_ref(), grid);
     let rebound = events.rebound_velocity_m_per_s.filter(|_| drive.is_none());
@@ -55,8 +62,8 @@ pub fn write_simulation(
         energy: dynamics.as_ref().map_or_else(Vec::new, |d| energies(d, events.time_of_dynamic_crush_s)),
         energy_closure: dynamics.as_ref().and_then(Dynamics::energy_closure),
         ratings: comparison.ratings.into_iter().map(rating_record).collect(),
-        fit_as_measured_percent: comparison.fit_as_measured_percent,
-        force_misfit_percent,
+        fit_as_measured_percent: as_measured.fit_percent,
+        force_misfit_percent: as_measured.force_misfit_percent,
         coefficient_of_restitution: rebound.map(|v| -v / impact_speed_m_per_s),
         rebound_velocity_m_per_s: rebound,
         peak_acceleration_m_per_s2: deceleration_peak(&motion.acceleration_m_per_s2, grid.dt_s()),
