@@ -50,8 +50,8 @@ pub struct Evaluation {
     pub force_misfit_percent: Option<f64>,
     /// Of the sensors on other masses the one that it follows worst: channel and displacement fit, percent.
     pub worst_sensor: Option<(String, f64)>,
-    /// Of a plastic model, the largest relative error of the crush at lower speeds that the record itself shows, see
-    /// [`crush_error_at_lower_speeds`].
+    /// Of a plastic model, the largest relative error of the crush at 0.60 to 0.95 of the speed, which the record itself
+    /// shows.
     pub crush_error_at_lower_speeds: Option<f64>,
 }
 
