@@ -61,8 +61,8 @@ impl Candidate {
         if place.starts_with("fit.") && place.ends_with("_s") {
             return None;
         }
-        match place.strip_prefix("simulation.") {
-            Some(of_simulation) => Some(of_open_simulation(of_simulation, unit)),
+        match place.strip_prefix("simulation.").or(place.strip_prefix("evaluation.")) {
+            Some(figure) => Some(of_open_simulation(figure, unit)),
             None if place.starts_with("uncertainty") || place.starts_with("fit") || place.starts_with("notes") => {
                 Some(Tolerance::ANY)
             }
@@ -87,11 +87,11 @@ fn of_open_simulation(place: &str, unit: Option<Unit>) -> Tolerance {
 }
 
 /// Whether two rankings of a summary differ only in the order of candidates that are equally good on both sides: fits
-/// within 0.1 points, or AICc within 2 (Burnham and Anderson 2002, section 2.6).
+/// within 0.1 points, or criteria within 2 (Burnham and Anderson 2002, section 2.6).
 pub(crate) fn same_ranking(key: &str, a: &Map<String, Value>, b: &Map<String, Value>) -> bool {
     let (figures, equal) = match key {
-        "ranking" => (&["fit_as_measured_percent", "fit_percent"][..], EQUAL_FIT_POINTS),
-        "ranking_by_aicc" => (&["aicc"][..], 2.0),
+        "ranking" => (&["simulation/fit_as_measured_percent", "simulation/fit_percent"][..], EQUAL_FIT_POINTS),
+        "ranking_by_aicc" => (&["difference_with_priors"][..], 2.0),
         _ => return false,
     };
     let ids = |side: &Map<String, Value>| -> Option<Vec<String>> {
@@ -99,8 +99,8 @@ pub(crate) fn same_ranking(key: &str, a: &Map<String, Value>, b: &Map<String, Va
     };
     let figure_of = |side: &Map<String, Value>, id: &str| {
         let all = side.get("candidates")?.as_array()?;
-        let simulation = &all.iter().find(|candidate| candidate["id"] == id)?["simulation"];
-        figures.iter().find_map(|figure| simulation[*figure].as_f64())
+        let candidate = all.iter().find(|candidate| candidate["id"] == id)?;
+        figures.iter().find_map(|figure| candidate.pointer(&format!("/{figure}"))?.as_f64())
     };
     let apart = |side, x: &str, y: &str| Some((figure_of(side, x)? - figure_of(side, y)?).abs());
     let tied = |x: &str, y: &str| [a, b].into_iter().all(|side| apart(side, x, y).is_some_and(|d| d <= equal));
@@ -240,11 +240,12 @@ const ASIDE: [Row; 5] = [
 /// the closest candidate's residual, known to a tenth at best. Models whose criteria are less than 2 apart are equally
 /// supported (Burnham and Anderson 2002, section 2.6). A criterion is a sum over the effective samples, and known as
 /// well as their number.
-const ESTIMATED: [Row; 4] = [
+const ESTIMATED: [Row; 5] = [
     ("/simulation/*", "effective_samples", tolerance(0.0, 0.1)),
     ("/simulation/*", "aicc", tolerance(0.2, 0.1)),
     ("summary.json", "candidates*effective_samples", tolerance(0.0, 0.1)),
     ("summary.json", "candidates*aicc", tolerance(0.2, 0.1)),
+    ("summary.json", "candidates*difference_with_priors", tolerance(0.2, 0.1)),
 ];
 
 /// The last bit differs between processors (fused multiply-add, order of sums in matrix kernels). A last bit changed in
@@ -252,7 +253,7 @@ const ESTIMATED: [Row; 4] = [
 /// parameters by up to 7e-7, since an iteration stops where its own criterion is met, not at the last bit. The table
 /// leaves room beyond that; a standard deviation comes from an inverse and gets more.
 /// The absolute floors are for what is zero but for rounding: 1e-12 of an SI unit, 1e-9 for errors of fits.
-const COMPUTATION: [Row; 14] = [
+const COMPUTATION: [Row; 15] = [
     // Responses of fitted candidates: /wave/<model>/<method>/<index>/<quantity>.
     ("/wave/*/*/*/*", "*", tolerance(0.0, 1e-5)),
     ("/wave/*", "*", tolerance(0.0, 1e-9)),
@@ -265,6 +266,8 @@ const COMPUTATION: [Row; 14] = [
     ("/evidence/*", "*", tolerance(1e-9, 1e-6)),
     // How sure a parameter is, is not known to more than this; of perfect records the residuals are rounding errors.
     ("/parameters/*", "uncertainty.*", tolerance(0.0, 0.1)),
+    // As those of the simulation: of a perfect fit an error is rounding.
+    ("/parameters/*", "evaluation.*", tolerance(1e-6, 1e-5)),
     ("/parameters/*", "*", tolerance(1e-9, 1e-5)),
     // What it compares are fits and their motion; of a perfect fit the misfit is a rounding error.
     ("/recommendation", "*", tolerance(1e-6, 1e-5)),

@@ -17,7 +17,7 @@
 //! filter, integration; where that is not known, on the motion itself), and the candidate is made from that minimum.
 //! [`assess`] works there too.
 //!
-//! [`choose`] names the candidate for prediction, the simplest and the closest: evidence as measured, and what is known
+//! [`evaluate`] compares a model with its test, once for all who ask. [`choose`] names the candidate for prediction, the simplest and the closest: evidence as measured, and what is known
 //! of vehicles as terms of its own.
 //!
 //! ```
@@ -44,6 +44,7 @@ mod chain;
 mod closed_form;
 mod coordinates;
 mod error;
+mod evaluation;
 mod extraction {
     //! Force-deflection curves and masses read off measured motions: a bounded linear least squares problem.
 
@@ -115,9 +116,10 @@ pub use crumple_numerics::estimation::minimise::l_shade::LShadeOptions;
 pub use crumple_numerics::estimation::statistics::{Covariance, covariance};
 pub use crumple_signal::{Distribution, IntegrationRule, Measurement, TwoPassFilter};
 pub use error::SolveError;
+pub use evaluation::{Evaluation, MeasuredTest, OtherMass, evaluate};
 pub use extraction::extract::{extract, hats};
 pub use extraction::problem::{
-    AskedCurve, Extraction, MeasuredElement, MeasuredMass, MeasuredTest, MeasuredThrough, MeasuredWall,
+    AskedCurve, Extraction, ExtractionTest, MeasuredElement, MeasuredMass, MeasuredThrough, MeasuredWall,
 };
 pub use fit::as_measured::fit_as_measured;
 pub use fit::nonlinear::{fit_nonlinear1, search_nonlinear2};
@@ -140,7 +142,7 @@ pub use selection::compared::{
     ComparedCandidate, EnergyClass, Inadequacy, OwnTestErrors, Prior, SelectionRules, TestEvent, depends_on_rate,
 };
 pub use selection::evidence::{least_without_shift, slow_misfit, without_shift};
-pub use selection::other_speeds::{affects_predictions, crush_error_at_lower_speeds};
+pub use selection::other_speeds::affects_predictions;
 pub use selection::rating::{ComparedRecord, ComparedWave, Rated};
 pub use solvers::closed_forms::{ONE_MASS_RATE_S_PER_M, RATE_PRIOR_S_PER_M};
 pub use solvers::table::{

@@ -1,10 +1,9 @@
-//! A simulation beside the test: errors, ratings, information criterion, other sensors.
+//! A simulation beside the test: errors, ratings, other sensors.
 
-use crumple_lumped::{CrushEvents, Dynamics, Model, Motion, Parameter, ParameterKind};
+use crumple_lumped::{CrushEvents, Dynamics, Motion};
 use crumple_lumped_fit::Measurement;
 use crumple_metrics::definitions::{CATALOGUE, ISO};
 use crumple_metrics::{CoraOptions, Iso18571Options, Metric, cora, fit_percent, iso18571, residuals, rmse};
-use crumple_numerics::estimation::statistics::InformationCriteria;
 use crumple_signal::{Cfc, Channel, Sampled, through_class};
 
 // The peak of a model's deceleration as a laboratory reads it.
@@ -22,43 +21,6 @@ pub fn deceleration_peak(acceleration_m_per_s2: &[f64], dt_s: f64) -> Option<f64
     samples.extend_from_slice(acceleration_m_per_s2);
     let filtered = through_class(&samples, dt_s, CLASS)?;
     filtered.into_iter().skip(before).reduce(f64::min).filter(|peak| *peak < 0.0)
-}
-
-// Information criterion of the displacement error, with what the samples are worth.
-
-/// The criterion of one candidate.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Information {
-    /// `Ne ln V + 2p + 2p(p+1)/(Ne - p - 1)`, `V` the mean square error in m²; `None` for `Ne <= p + 1` or no error at
-    /// all.
-    pub aicc: Option<f64>,
-    /// Independent samples.
-    pub effective_samples: f64,
-    /// Parameters.
-    pub parameters: u32,
-}
-
-/// The criterion for a mean square error, at the number of independent samples that all candidates share: with a number
-/// each, the criterion would reward the smoother error. Hurvich & Tsai, Biometrika 76(2), 1989.
-///
-/// The smallest value wins, and only differences between candidates of one test count: 2 is weak, 10 strong support
-/// (Burnham & Anderson 2002, section 2.6). `mean_square_m2` is that of the displacement error over the window.
-pub fn information(mean_square_m2: f64, effective_samples: f64, parameters: u32) -> Information {
-    let criteria = InformationCriteria::new(mean_square_m2, effective_samples, parameters as usize);
-    let aicc = (mean_square_m2 > 0.0).then_some(criteria.aicc).filter(|value| value.is_finite());
-    Information { aicc, effective_samples, parameters }
-}
-
-/// Springs, dampers and knots of a model: what its fit was free to choose. Masses and the ends of curves are given; of
-/// knots a crushed structure has those that it has.
-pub fn numbers_of(model: &Model) -> u32 {
-    let given = model.parameters();
-    let parameters = model.kind().parameters().iter();
-    parameters.filter(|parameter| is_fitted(parameter) && given.contains_key(parameter.name)).count() as u32
-}
-
-fn is_fitted(parameter: &Parameter) -> bool {
-    parameter.kind != ParameterKind::Mass && !parameter.of_the_test
 }
 
 // A candidate beside a sensor that its fit did not see.
@@ -247,6 +209,14 @@ pub struct Window {
     pub to_s: Option<f64>,
 }
 
+impl Window {
+    /// The end stated, else dynamic crush, else the end of the displacement, and never after that, s.
+    pub(crate) fn end_s(&self, test: &Measured<'_>) -> f64 {
+        let end_s = test.displacement.end_s();
+        self.to_s.or(test.time_of_dynamic_crush_s).unwrap_or(end_s).min(end_s)
+    }
+}
+
 /// A model beside the test. A number is `None` where a record is missing, has no variation (fits) or leaves the range
 /// of numbers.
 #[derive(Debug, Clone, PartialEq)]
@@ -261,8 +231,6 @@ pub struct Comparison {
     pub max_displacement_error_m: Option<f64>,
     /// Fit of the displacement, percent.
     pub fit_displacement_percent: Option<f64>,
-    /// The same of the model measured as the record was; `None` under a drive.
-    pub fit_as_measured_percent: Option<f64>,
     /// Fit of the velocity, percent.
     pub fit_velocity_percent: Option<f64>,
     /// Fit of the acceleration, percent.
@@ -291,8 +259,6 @@ pub struct Simulation {
     pub masses: Vec<Motion>,
     /// Which of them is the compartment, from 0: the last, unless a chain has an occupant behind it.
     pub compartment: usize,
-    /// Displacement of the model minus that of the test at every sample of the window, m.
-    pub error_m: Vec<f64>,
     /// The force in every spring and damper, and the energy; `None` where the heat leaves the range of numbers.
     pub dynamics: Option<Dynamics>,
 }
@@ -300,8 +266,6 @@ pub struct Simulation {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
-
-    use crumple_lumped::Kelvin;
 
     use super::*;
 
@@ -314,16 +278,6 @@ mod tests {
         let peak = deceleration_peak(&sine(-200.0), 1e-4).unwrap();
         assert!((peak + 200.0).abs() < 0.01, "{peak}");
         assert_eq!(deceleration_peak(&sine(-200.0), 0.01), None);
-    }
-
-    #[test]
-    fn the_criterion_is_that_of_the_formula() {
-        // 100 ln 1e-6 + 4 + 12/97, by hand.
-        let criterion = information(1e-6, 100.0, 2);
-        assert!((criterion.aicc.unwrap() - (-1_381.551_055_796_427_5 + 4.0 + 12.0 / 97.0)).abs() < 1e-9);
-        assert_eq!(information(1e-6, 10.9, 10).aicc, None);
-        let kelvin = Model::Kelvin(Kelvin { mass_kg: 1.0, stiffness_n_per_m: 1.0, damping_n_s_per_m: 1.0 });
-        assert_eq!(numbers_of(&kelvin), 2);
     }
 
     fn half_sine(dt_s: f64, height: f64) -> Sampled {

@@ -20,8 +20,8 @@ mod simulate;
 mod stage;
 
 pub use comparison::{
-    Comparison, Information, Measured, OtherSensor, Rating, SensorFit, Simulation, Window, beside, beside_mass,
-    deceleration_peak, information, is_on_engine, numbers_of, ratings,
+    Comparison, Measured, OtherSensor, Rating, SensorFit, Simulation, Window, beside, beside_mass, deceleration_peak,
+    is_on_engine, ratings,
 };
 pub use error::SimulateError;
 pub use simulate::{Excitation, simulate, simulate_chain, simulate_driven};

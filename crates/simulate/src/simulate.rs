@@ -1,9 +1,6 @@
 //! Simulates a model on the grid of a test, moved as the test was or by a record, and compares the two.
 
-use crumple_lumped::{
-    Chain, CrashPulse, CrushEvents, Drive, Dynamics, HORIZON_S, LumpedError, Model, Motion, Structure,
-};
-use crumple_lumped_fit::{FitQuantity, Observation, ObservedWave};
+use crumple_lumped::{Chain, CrashPulse, CrushEvents, Drive, Dynamics, HORIZON_S, LumpedError, Model, Motion};
 use crumple_metrics::{fit_percent, rmse};
 use crumple_signal::Sampled;
 
@@ -102,8 +99,7 @@ pub fn simulate_driven(
     let v0 = test.impact_speed_m_per_s;
     check_speed(v0, excitation)?;
     let mass_kg = model.masses_kg().iter().sum();
-    let free_flight = matches!(excitation, Excitation::Impact);
-    let mut simulation = beside_the_test(test, window, |dt, samples| {
+    beside_the_test(test, window, |dt, samples| {
         let drive = excitation.drive(mass_kg, v0, dt, samples);
         Ok(if let Excitation::Impact = excitation {
             let response = model.respond(v0, dt, samples)?;
@@ -112,10 +108,7 @@ pub fn simulate_driven(
         } else {
             driven(model.dynamics(&drive, dt, samples)?)
         })
-    })?;
-    simulation.comparison.fit_as_measured_percent =
-        free_flight.then(|| fit_as_measured(test, &simulation, v0, &model.structure().ok()?)).flatten();
-    Ok(simulation)
+    })
 }
 
 /// As [`simulate_driven`], for a chain of masses, whose initial speed may be another than the test's. Under a force it
@@ -151,9 +144,6 @@ pub fn simulate_chain(
         Ok((motion, masses, events, dynamics))
     })?;
     simulation.compartment = compartment.unwrap_or(simulation.compartment);
-    if let Excitation::Impact = excitation {
-        simulation.comparison.fit_as_measured_percent = fit_as_measured(test, &simulation, v0, &chain.structure()?);
-    }
     Ok(simulation)
 }
 
@@ -161,18 +151,6 @@ pub fn simulate_chain(
 fn check_speed(speed_m_per_s: f64, excitation: &Excitation<'_>) -> Result<(), SimulateError> {
     let positive = speed_m_per_s.is_finite() && speed_m_per_s > 0.0;
     if positive || !excitation.starts_at_impact_speed() { Ok(()) } else { Err(SimulateError::Speed(speed_m_per_s)) }
-}
-
-/// Fit of the displacement, percent, of a model that was sampled, filtered and integrated as the record: over the
-/// samples of the record from time zero to the end of the window, wherever on the clock the record begins. `None` with
-/// fewer samples than a fit takes, or without a response.
-fn fit_as_measured(test: &Measured<'_>, simulation: &Simulation, v0: f64, structure: &Structure) -> Option<f64> {
-    let behind = simulation.masses.len() > simulation.compartment + 1;
-    let what = (behind.then_some(simulation.compartment), FitQuantity::Displacement);
-    let window_s = (0.0, simulation.comparison.to_s);
-    let wave = ObservedWave::new(test.displacement, what, test.measurement, window_s, usize::MAX);
-    let observed = Observation { impact_speed_m_per_s: v0, waves: vec![wave.ok()?] };
-    observed.fit_percent(&observed.misfit_of(structure)?)
 }
 
 /// Motion of the compartment, of every mass, its events, and everything else.
@@ -197,7 +175,7 @@ fn beside_the_test(
 ) -> Result<Simulation, SimulateError> {
     let dt = test.displacement.dt_s();
     let end_s = test.displacement.end_s();
-    let to_s = window.to_s.or(test.time_of_dynamic_crush_s).unwrap_or(end_s).min(end_s);
+    let to_s = window.end_s(test);
     // Samples at 0, dt, ... up to an instant; rounding of decimal time stamps must not lose the last. A time zero long
     // before the record would ask for samples that no test has.
     let most = test.displacement.len() + 1;
@@ -240,16 +218,14 @@ fn beside_the_test(
         rmse_displacement_m: rmse(x, xh),
         max_displacement_error_m: max_abs_error(x, xh),
         fit_displacement_percent: fit(&displacement),
-        fit_as_measured_percent: None,
         fit_velocity_percent: fit(&velocity),
         fit_acceleration_percent: fit(&acceleration),
         dynamic_crush_error_m: difference(events.dynamic_crush_m, test.dynamic_crush_m),
         time_of_dynamic_crush_error_s: difference(events.time_of_dynamic_crush_s, test.time_of_dynamic_crush_s),
         ratings: rated,
     };
-    let error_m = xh.iter().zip(x).map(|(model, test)| model - test).collect();
     let compartment = masses.len().saturating_sub(1);
-    Ok(Simulation { motion, events, comparison, masses, compartment, error_m, dynamics })
+    Ok(Simulation { motion, events, comparison, masses, compartment, dynamics })
 }
 
 /// First zero of the velocity from above, between two samples: `t_m = t[k-1] + T·v[k-1]/(v[k-1] - v[k])`,

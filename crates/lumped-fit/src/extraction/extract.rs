@@ -11,7 +11,7 @@
 use crumple_numerics::linalg::nonnegative_least_squares;
 use nalgebra::{DMatrix, DVector};
 
-use crate::extraction::problem::{AskedCurve, Extraction, MeasuredElement, MeasuredTest};
+use crate::extraction::problem::{AskedCurve, Extraction, ExtractionTest, MeasuredElement};
 
 /// What an element does at a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -108,7 +108,7 @@ struct Places {
 }
 
 impl Places {
-    fn new(tests: &[MeasuredTest], curves: &[AskedCurve]) -> Self {
+    fn new(tests: &[ExtractionTest], curves: &[AskedCurve]) -> Self {
         let mut unknowns = 0;
         let mut take = |count: usize| {
             unknowns += count;
@@ -138,9 +138,9 @@ impl Places {
 /// for none. `None` where a curve has fewer than two knots, a free mass has no scale (neither a given mass nor a total
 /// nor a wall force in its
 /// test), a sample is compared that is not there, or the motions are not finite.
-pub fn extract(tests: &[MeasuredTest], curves: &[AskedCurve], slope_change_weight: f64) -> Option<Extraction> {
+pub fn extract(tests: &[ExtractionTest], curves: &[AskedCurve], slope_change_weight: f64) -> Option<Extraction> {
     let places = Places::new(tests, curves);
-    let cut_short = |test: &MeasuredTest| {
+    let cut_short = |test: &ExtractionTest| {
         let through = test.through.iter().flat_map(|through| &through.compared);
         through.copied().any(|k| k >= samples(test))
     };
@@ -168,12 +168,12 @@ pub fn extract(tests: &[MeasuredTest], curves: &[AskedCurve], slope_change_weigh
 }
 
 /// Whether masses are free and nothing says how large all of them are.
-fn without_scale(test: &MeasuredTest) -> bool {
+fn without_scale(test: &ExtractionTest) -> bool {
     test.total_mass_kg.is_none() && test.wall.is_none() && test.masses.iter().all(|mass| mass.mass_kg.is_none())
 }
 
 /// Deflection, its rate and second derivative of an element at every sample.
-fn deflection(test: &MeasuredTest, element: &MeasuredElement) -> [Vec<f64>; 3] {
+fn deflection(test: &ExtractionTest, element: &MeasuredElement) -> [Vec<f64>; 3] {
     let rear = &test.masses[element.rear];
     let less = |rear: &[f64], front: Option<&[f64]>, gap: f64| -> Vec<f64> {
         let front = |k: usize| front.map_or(0.0, |front| front[k]);
@@ -189,7 +189,7 @@ fn deflection(test: &MeasuredTest, element: &MeasuredElement) -> [Vec<f64>; 3] {
 
 /// Where every element of a test is at every sample, by the curves so far.
 fn phases_of(
-    test: &MeasuredTest,
+    test: &ExtractionTest,
     curves: &[AskedCurve],
     places: &Places,
     solution: Option<&DVector<f64>>,
@@ -212,15 +212,15 @@ fn phases_of(
 
 /// Rows and right sides: the equations of motion over their noise, then the changes of slope.
 fn equations(
-    tests: &[MeasuredTest],
+    tests: &[ExtractionTest],
     curves: &[AskedCurve],
     places: &Places,
     branches: &[Vec<Vec<Phase>>],
     slope_change_weight: f64,
 ) -> (DMatrix<f64>, DVector<f64>) {
     let smoothing: usize = if slope_change_weight > 0.0 { curves.iter().map(|c| c.knots_m.len() - 2).sum() } else { 0 };
-    let blocks = |test: &MeasuredTest| test.masses.len() + usize::from(test.wall.is_some());
-    let compared = |test: &MeasuredTest| match &test.through {
+    let blocks = |test: &ExtractionTest| test.masses.len() + usize::from(test.wall.is_some());
+    let compared = |test: &ExtractionTest| match &test.through {
         Some(through) => through.compared.clone(),
         None => (0..samples(test)).collect(),
     };
@@ -265,13 +265,13 @@ fn equations(
 }
 
 /// Samples of the motions.
-fn samples(test: &MeasuredTest) -> usize {
+fn samples(test: &ExtractionTest) -> usize {
     test.masses.first().map_or(0, |mass| mass.acceleration_m_per_s2.len())
 }
 
 /// The forces of the elements on masses and wall, by the unknowns: one block of samples a mass, the wall's after them.
 fn element_terms(
-    test: &MeasuredTest,
+    test: &ExtractionTest,
     curves: &[AskedCurve],
     places: &Places,
     branches: &[Vec<Phase>],
@@ -309,7 +309,7 @@ fn element_terms(
 /// `m a` of every mass: to the right where it is given, a column where it is free, the total less the others for the
 /// last of them.
 fn mass_terms(
-    test: &MeasuredTest,
+    test: &ExtractionTest,
     columns: &[Option<usize>],
     row: &dyn Fn(usize, usize) -> usize,
     (a, b): (&mut DMatrix<f64>, &mut DVector<f64>),
@@ -352,7 +352,7 @@ fn changes_of_slope(curves: &[AskedCurve], places: &Places, weight: f64, first: 
 
 /// The solution by names.
 fn worded(
-    tests: &[MeasuredTest],
+    tests: &[ExtractionTest],
     curves: &[AskedCurve],
     places: &Places,
     (x, free): (&DVector<f64>, &[bool]),
@@ -437,8 +437,8 @@ mod tests {
         }
     }
 
-    fn test(masses: Vec<MeasuredMass>, elements: Vec<MeasuredElement>, total_mass_kg: Option<f64>) -> MeasuredTest {
-        MeasuredTest { dt_s: DT_S, masses, elements, total_mass_kg, wall: None, through: None }
+    fn test(masses: Vec<MeasuredMass>, elements: Vec<MeasuredElement>, total_mass_kg: Option<f64>) -> ExtractionTest {
+        ExtractionTest { dt_s: DT_S, masses, elements, total_mass_kg, wall: None, through: None }
     }
 
     const FRONT: MeasuredElement = MeasuredElement { front: None, rear: 0, curve: 0, gap_m: 0.0 };

@@ -59,7 +59,7 @@ pub struct MeasuredThrough {
 
 /// A test: masses and elements, sampled together.
 #[derive(Debug, Clone, PartialEq)]
-pub struct MeasuredTest {
+pub struct ExtractionTest {
     /// Sampling interval, s.
     pub dt_s: f64,
     /// Masses from the wall on.

@@ -71,7 +71,7 @@ pub struct CandidateSelection {
 /// plastic ones. One with open numbers that are felt, not more than half of its numbers, qualifies too
 /// where its criterion is lower than all of those by more than 10, and the lowest with priors: the record itself speaks
 /// against them. Where that is a plastic structure, the plastic one with the fewest parameters that
-/// has the record's own crush at lower speeds ([`crush_error_at_lower_speeds`](crate::crush_error_at_lower_speeds)).
+/// has the record's own crush at lower speeds ([`crush_error_at_lower_speeds`](crate::Evaluation::crush_error_at_lower_speeds)).
 /// *Simplest*: of the adequate with all numbers determined the fewest, then the lowest criterion. *Closest*: of the
 /// physical the best displacement fit.
 pub fn choose(candidates: &[ComparedCandidate], record: &ComparedRecord, rules: &SelectionRules) -> CandidateSelection {
@@ -125,9 +125,22 @@ impl ComparedCandidates<'_> {
         self.candidates[k].class == EnergyClass::Plastic
     }
 
-    /// The criterion with priors above the lowest; infinite without one.
-    fn total(&self, k: usize) -> f64 {
-        self.rated[k].difference_with_priors.unwrap_or(f64::INFINITY)
+    /// The criterion with priors above the lowest; `None`: too few samples for its numbers, it has no criterion.
+    fn total(&self, k: usize) -> Option<f64> {
+        self.rated[k].difference_with_priors
+    }
+
+    /// The lowest criterion with priors first, then those without one.
+    fn by_total(&self, a: usize, b: usize) -> Ordering {
+        match (self.total(a), self.total(b)) {
+            (Some(a), Some(b)) => a.total_cmp(&b),
+            (a, b) => a.is_none().cmp(&b.is_none()),
+        }
+    }
+
+    /// How much the criterion with priors of `b` is above that of `a`; `None` where one has none.
+    fn gap(&self, a: usize, b: usize) -> Option<f64> {
+        Some(self.total(b)? - self.total(a)?)
     }
 
     /// Why an adequate candidate is not for prediction.
@@ -152,10 +165,10 @@ impl ComparedCandidates<'_> {
     /// criterion lower than all of `others` by more than [`DECISIVE`], and the lowest with priors too.
     fn decides(&self, k: usize, others: &[usize]) -> bool {
         let candidate = &self.candidates[k];
-        let criterion = |k: usize| self.rated[k].aicc.unwrap_or(f64::INFINITY);
+        let difference = |other: usize| Some(self.rated[other].aicc? - self.rated[k].aicc?);
         (self.is_noise_known || 2 * candidate.affects_other_speeds.len() <= candidate.parameters)
-            && others.iter().all(|other| criterion(k) + DECISIVE < criterion(*other))
-            && others.iter().all(|other| self.total(k) < self.total(*other))
+            && others.iter().all(|other| difference(*other).is_some_and(|above| above > DECISIVE))
+            && others.iter().all(|other| self.gap(k, *other).is_some_and(|above| above > 0.0))
             && self.misses_the_force(k).is_none()
     }
 
@@ -178,7 +191,7 @@ impl ComparedCandidates<'_> {
     /// The candidate with the lowest criterion with priors of those that do not miss the force on the wall.
     fn lowest(&self) -> Option<usize> {
         let may_decide = |k: &usize| self.rated[*k].aicc.is_some() && self.misses_the_force(*k).is_none();
-        self.compared().filter(may_decide).min_by(|a, b| self.total(*a).total_cmp(&self.total(*b)))
+        self.compared().filter(may_decide).min_by(|a, b| self.by_total(*a, *b))
     }
 
     /// The candidates that may be recommended: those for prediction, and those that decide over them. Where the
@@ -202,8 +215,8 @@ impl ComparedCandidates<'_> {
     /// class, of those whose criterion is not decisively higher.
     fn plastic_with_fewest_open(&self) -> Vec<usize> {
         let Some(lowest) = self.lowest() else { return Vec::new() };
-        let limit = if self.is_plastic(lowest) { f64::INFINITY } else { self.total(lowest) + DECISIVE };
-        let may_decide = |k: &usize| self.total(*k) <= limit && self.misses_the_force(*k).is_none();
+        let is_near = |k: usize| self.is_plastic(lowest) || self.gap(lowest, k).is_some_and(|above| above <= DECISIVE);
+        let may_decide = |k: &usize| is_near(*k) && self.misses_the_force(*k).is_none();
         let plastic = || self.compared().filter(|k| self.is_plastic(*k) && self.rated[*k].aicc.is_some());
         let open = |k: usize| self.candidates[k].affects_other_speeds.len();
         let fewest = plastic().filter(may_decide).map(open).min();
@@ -223,7 +236,7 @@ impl ComparedCandidates<'_> {
         let by_evidence = self.simplest_of_the_lowest(&qualified).unwrap_or(qualified[0]);
         let best = self.right_at_lower_speeds(by_evidence);
         let of_others = qualified.iter().copied().filter(|k| *k != best);
-        let next = of_others.min_by(|a, b| self.total(*a).total_cmp(&self.total(*b)));
+        let next = of_others.min_by(|a, b| self.by_total(*a, *b));
         let candidate = &self.candidates[best];
         let mut because = format!(
             "{}, {}{}, {}",
@@ -248,11 +261,10 @@ impl ComparedCandidates<'_> {
         because.push_str(&format!(" (criterion as measured, with priors; {samples:.0} independent samples{noise})"));
         let passed_over = self
             .compared()
-            .filter(|k| self.total(*k) < self.total(best))
-            .filter_map(|k| Some((k, self.not_for_prediction(k)?)))
-            .min_by(|(a, _), (b, _)| self.total(*a).total_cmp(&self.total(*b)));
-        if let Some((k, why)) = passed_over {
-            let (id, better) = (&self.candidates[k].id, self.total(best) - self.total(k));
+            .filter_map(|k| Some((k, self.gap(k, best).filter(|better| *better > 0.0)?, self.not_for_prediction(k)?)))
+            .min_by(|(a, ..), (b, ..)| self.by_total(*a, *b));
+        if let Some((k, better, why)) = passed_over {
+            let id = &self.candidates[k].id;
             because.push_str(&format!("; {id} stands {better:.1} lower, but {why}"));
         }
         Choice { candidate: Some(best), because }
@@ -262,9 +274,10 @@ impl ComparedCandidates<'_> {
     /// candidates that are not plastic within 10, for weak evidence prefers the simpler: a ring of the sensor gives
     /// that much. Knots of a curve are chosen by the crush at lower speeds.
     fn simplest_of_the_lowest(&self, qualified: &[usize]) -> Option<usize> {
-        let lowest = qualified.iter().copied().min_by(|a, b| self.total(*a).total_cmp(&self.total(*b)))?;
+        let lowest = qualified.iter().copied().min_by(|a, b| self.by_total(*a, *b))?;
         let margin = |k: usize| if self.is_plastic(k) || self.is_plastic(lowest) { EQUAL } else { DECISIVE };
-        let near = qualified.iter().copied().filter(|k| self.total(*k) <= self.total(lowest) + margin(*k));
+        let is_near = |k: &usize| self.gap(lowest, *k).is_some_and(|above| above <= margin(*k));
+        let near = qualified.iter().copied().filter(is_near);
         near.min_by(|a, b| self.by_parameters(*a, *b))
     }
 
@@ -275,25 +288,25 @@ impl ComparedCandidates<'_> {
     /// structure is an integral of the record, known to what the sensor is; a knot that is open beside others is no
     /// reason against it.
     fn right_at_lower_speeds(&self, by_evidence: usize) -> usize {
-        let error = |k: usize| self.candidates[k].crush_error_at_lower_speeds.unwrap_or(f64::INFINITY);
+        let error = |k: usize| self.candidates[k].crush_error_at_lower_speeds;
         let limit = self.rules.lower_speed_limit_percent / 100.0;
-        if !self.is_plastic(by_evidence) || error(by_evidence) <= limit {
-            return by_evidence;
-        }
-        let plastic: Vec<usize> =
-            self.compared().filter(|k| self.is_plastic(*k) && self.misses_the_force(*k).is_none()).collect();
-        let least = plastic.iter().map(|k| error(*k)).fold(f64::INFINITY, f64::min);
+        let missed = error(by_evidence).filter(|error| self.is_plastic(by_evidence) && *error > limit);
+        let Some(missed) = missed else { return by_evidence };
+        let may_replace = |k: &usize| self.is_plastic(*k) && self.misses_the_force(*k).is_none();
+        let plastic: Vec<(usize, f64)> =
+            self.compared().filter(may_replace).filter_map(|k| Some((k, error(k)?))).collect();
+        let least = plastic.iter().map(|(_, error)| *error).fold(missed, f64::min);
         // One that misses nearly as much is no reason to leave the evidence.
-        if least > limit && least > 0.5 * error(by_evidence) {
+        if least > limit && least > 0.5 * missed {
             return by_evidence;
         }
-        let near = plastic.into_iter().filter(|k| error(*k) <= limit.max(least) && error(*k).is_finite());
+        let near = plastic.into_iter().filter(|(_, error)| *error <= limit.max(least)).map(|(k, _)| k);
         near.min_by(|a, b| self.by_parameters(*a, *b)).unwrap_or(by_evidence)
     }
 
     /// How far both miss the crush at lower speeds that the record itself shows.
     fn beside_the_evidence(&self, best: usize, by_evidence: usize) -> String {
-        let percent = |k: usize| 100.0 * self.candidates[k].crush_error_at_lower_speeds.unwrap_or(f64::INFINITY);
+        let percent = |k: usize| 100.0 * self.candidates[k].crush_error_at_lower_speeds.unwrap_or(0.0);
         let id = &self.candidates[by_evidence].id;
         format!(
             "its crush at lower speeds is within {:.1} % of the record's own; {id} has a lower criterion but misses \
@@ -304,14 +317,14 @@ impl ComparedCandidates<'_> {
     }
 
     /// How the evidence for a recommended candidate stands to that for the best of another model that may be
-    /// recommended; where none is for prediction, of all others.
+    /// recommended; where none is for prediction, of all others. `None` where one of the two has no criterion.
     fn strength(&self, best: usize) -> Option<(Strength, usize)> {
         let qualified = self.qualified();
         let are_for_prediction = qualified.iter().any(|k| self.not_for_prediction(*k).is_none());
         let all = if are_for_prediction { qualified } else { self.compared().collect() };
         let of_others = all.into_iter().filter(|k| self.candidates[*k].model != self.candidates[best].model);
-        let next = of_others.min_by(|a, b| self.total(*a).total_cmp(&self.total(*b)))?;
-        let strength = match self.total(next) - self.total(best) {
+        let next = of_others.min_by(|a, b| self.by_total(*a, *b))?;
+        let strength = match self.gap(best, next)? {
             gap if gap > DECISIVE => Strength::Decisive,
             gap if gap < -DECISIVE => Strength::Contrary,
             _ => Strength::Weak,
@@ -321,7 +334,7 @@ impl ComparedCandidates<'_> {
 
     /// How the criterion stands to that of the next.
     fn beside_the_next(&self, best: usize, next: usize) -> String {
-        let (id, gap) = (&self.candidates[next].id, self.total(next) - self.total(best));
+        let (id, gap) = (&self.candidates[next].id, self.gap(best, next).unwrap_or(0.0));
         if gap.abs() < EQUAL {
             format!("equal to {id} within {EQUAL} and with no more numbers")
         } else if gap < 0.0 {
@@ -368,7 +381,7 @@ impl ComparedCandidates<'_> {
     /// Fewest numbers first, then the lowest criterion, then the order given.
     fn by_parameters(&self, a: usize, b: usize) -> Ordering {
         let count = |k: usize| self.candidates[k].parameters;
-        count(a).cmp(&count(b)).then_with(|| self.total(a).total_cmp(&self.total(b))).then_with(|| a.cmp(&b))
+        count(a).cmp(&count(b)).then_with(|| self.by_total(a, b)).then_with(|| a.cmp(&b))
     }
 
     fn why_none_is_adequate(&self) -> String {

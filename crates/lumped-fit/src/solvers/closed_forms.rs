@@ -14,8 +14,8 @@ use crate::solvers::fitting::{FitStart, FitTask, computed};
 use crate::solvers::load_paths;
 use crate::solvers::table::{Extent, Task, crush_of, extent_of};
 use crate::{
-    AskedCurve, Candidate, KelvinBranch, MeasuredElement, MeasuredMass, MeasuredTest, Minimum, SensorPlace, SolveError,
-    extract, kelvin_from_events,
+    AskedCurve, Candidate, ExtractionTest, KelvinBranch, MeasuredElement, MeasuredMass, Minimum, SensorPlace,
+    SolveError, extract, kelvin_from_events,
 };
 
 /// Starts of the loading stiffness of a record that never stops, over `m (v0/C)²`.
@@ -274,7 +274,7 @@ fn curve(
         noise_n: 1.0,
     };
     let elements = vec![MeasuredElement { front: None, rear: 0, curve: 0, gap_m: 0.0 }];
-    let test = MeasuredTest {
+    let test = ExtractionTest {
         dt_s: loading.dt_s,
         masses: vec![mass],
         elements,

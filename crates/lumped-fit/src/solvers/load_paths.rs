@@ -15,7 +15,7 @@ use crate::solvers::closed_forms::{KNOT_SPACING_S, RATE_PRIOR_S_PER_M, USUAL_RES
 use crate::solvers::fitting::{FitStart, FitTask};
 use crate::solvers::table::{Extent, Task};
 use crate::{
-    AskedCurve, Candidate, FitQuantity, MassEvidence, MassFit, MeasuredElement, MeasuredMass, MeasuredTest,
+    AskedCurve, Candidate, ExtractionTest, FitQuantity, MassEvidence, MassFit, MeasuredElement, MeasuredMass,
     MeasuredThrough, MeasuredWall, Minimum, Observation, ObservedWave, SensorPlace, SolveError, TwoPassFilter, extract,
     masses,
 };
@@ -196,7 +196,7 @@ impl Motions {
         let element =
             |path: usize| MeasuredElement { front: ENDS[path].0, rear: ENDS[path].1, curve: path, gap_m: 0.0 };
         let stride = ((self.window.1 - self.window.0) / SAMPLES).max(1);
-        let test = MeasuredTest {
+        let test = ExtractionTest {
             dt_s: self.dt_s,
             masses: vec![mass(0), mass(1)],
             elements: (0..paths).map(element).collect(),

@@ -1,15 +1,15 @@
 //! What each candidate brings into the choice: its misfit as measured, its restitution, what the record does not
 //! identify.
 
-use crumple_lumped::{HORIZON_S, Model, ModelKind, ParameterKind, Structure};
+use crumple_lumped::{Model, ModelKind, ParameterKind};
 use crumple_lumped_fit::{
-    ComparedCandidate, ComparedRecord, ComparedWave, EnergyClass, FitQuantity, Impact, LeastMisfit, Measurement,
-    Observation, ObservedWave, OwnTestErrors, SensorPlace, WallForce, affects_predictions, crush_error_at_lower_speeds,
-    least_without_shift, slow_misfit, without_shift,
+    Candidate, ComparedCandidate, ComparedRecord, ComparedWave, EnergyClass, Evaluation, FitQuantity, Impact,
+    LeastMisfit, MeasuredTest, Measurement, Observation, ObservedWave, OtherMass, OwnTestErrors, SensorPlace,
+    WallForce, affects_predictions, evaluate, least_without_shift, slow_misfit, without_shift,
 };
 use crumple_signal::{Notes, Sampled};
 use crumple_stage::Inputs;
-use crumple_stage::records::{Certainty, EventsV1};
+use crumple_stage::records::{Certainty, EvaluationV1, EventsV1};
 use rayon::prelude::*;
 
 use crate::stage::inputs::{Displaced, displacement_of, motion};
@@ -47,26 +47,10 @@ struct ComparedTest {
     acceleration: Observation,
     /// Channel of the pulse.
     channel: String,
-    /// Those sensors, in the order of their waves.
-    others: Vec<OtherSensor>,
-    /// Displacement of the pulse: what closest means.
-    displacement: Observation,
-    /// Its dynamic crush, m, and the time of it, s.
-    dynamic_crush: Option<(f64, f64)>,
-    tested_restitution: Option<f64>,
-    /// Whether its record ends before the rebound does, so that its restitution is a lower bound.
-    rebound_is_cut: bool,
+    /// What candidates are evaluated by; its other sensors are in the order of their waves.
+    measured: MeasuredTest,
     /// Its mass, kg: where several tests stand side by side, each has its own; else it is that of the candidates.
     mass_kg: f64,
-    /// Force on the wall up to separation.
-    wall: Option<WallForce>,
-}
-
-/// A sensor on another mass than that of the pulse.
-struct OtherSensor {
-    channel: String,
-    place: SensorPlace,
-    displacement: Option<Observation>,
 }
 
 impl Comparison {
@@ -111,7 +95,7 @@ impl Comparison {
             observed.waves.append(&mut other.waves);
             let displacement = displacement_of(input, events, channel)?
                 .and_then(|(wave, measurement)| as_measured(&wave, measurement, FitQuantity::Displacement));
-            others.push(OtherSensor { channel: channel.clone(), place: *place, displacement });
+            others.push(OtherMass { channel: channel.clone(), place: *place, displacement });
         }
         let wall = input.wall_force()?.and_then(|(force, steps)| {
             let to_s = events.end_of_contact_s(force.end_s());
@@ -121,13 +105,15 @@ impl Comparison {
             tests: vec![ComparedTest {
                 acceleration,
                 channel: channel.clone(),
-                others,
-                displacement,
-                dynamic_crush: events.dynamic_crush_m.zip(events.time_of_dynamic_crush_s),
-                tested_restitution: events.coefficient_of_restitution,
-                rebound_is_cut: events.still_separating,
+                measured: MeasuredTest {
+                    displacement,
+                    other_sensors: others,
+                    dynamic_crush: events.dynamic_crush_m.zip(events.time_of_dynamic_crush_s),
+                    restitution: events.coefficient_of_restitution,
+                    rebound_is_cut: events.still_separating,
+                    wall,
+                },
                 mass_kg,
-                wall,
             }],
         }))
     }
@@ -137,7 +123,7 @@ impl Comparison {
         let mut tests: Vec<ComparedTest> = each.into_iter().flat_map(|comparison| comparison.tests).collect();
         for test in &mut tests {
             let impact = Impact { speed_m_per_s: test.acceleration.impact_speed_m_per_s, mass_kg: Some(test.mass_kg) };
-            for wave in test.acceleration.waves.iter_mut().chain(&mut test.displacement.waves) {
+            for wave in test.acceleration.waves.iter_mut().chain(&mut test.measured.displacement.waves) {
                 wave.impact = Some(impact);
             }
         }
@@ -153,7 +139,7 @@ impl Comparison {
     /// Channels whose records are compared.
     pub fn channels(&self) -> Vec<String> {
         let of_test = |test: &ComparedTest| {
-            let others = test.others.iter().map(|other| other.channel.clone());
+            let others = test.measured.other_sensors.iter().map(|other| other.channel.clone());
             std::iter::once(test.channel.clone()).chain(others).collect::<Vec<_>>()
         };
         self.tests.iter().flat_map(of_test).collect()
@@ -188,6 +174,32 @@ impl Comparison {
         }
     }
 
+    /// A candidate beside each of the tests.
+    pub fn evaluate(&self, candidate: &Candidate) -> Vec<Evaluation> {
+        let model = candidate.model.released();
+        let of_test = |test: &ComparedTest| evaluate(&model, mass_of(candidate, &test.channel), &test.measured);
+        self.tests.iter().map(of_test).collect()
+    }
+
+    /// The evaluation as its candidate carries it: of one test.
+    pub fn evaluation_record(&self, evaluations: &[Evaluation]) -> Option<EvaluationV1> {
+        let ([test], [evaluation]) = (&self.tests[..], evaluations) else { return None };
+        let (from_s, to_s) = test.measured.window_s();
+        Some(EvaluationV1 {
+            from_s,
+            to_s,
+            fit_as_measured_percent: evaluation.fit_as_measured_percent,
+            crush_error: evaluation.own_test.crush,
+            time_error: evaluation.own_test.time,
+            restitution_error: evaluation.own_test.restitution,
+            coefficient_of_restitution: evaluation.restitution,
+            force_misfit_percent: evaluation.force_misfit_percent,
+            worst_sensor: evaluation.worst_sensor.as_ref().map(|(channel, _)| channel.clone()),
+            worst_sensor_fit_percent: evaluation.worst_sensor.as_ref().map(|(_, fit)| *fit),
+            crush_error_at_lower_speeds: evaluation.crush_error_at_lower_speeds,
+        })
+    }
+
     /// What the candidates bring, in their order.
     pub fn candidates(&self, assessed: &[&AssessedCandidate<'_>]) -> Vec<ComparedCandidate> {
         let mut compared: Vec<ComparedCandidate> =
@@ -210,24 +222,24 @@ impl Comparison {
     }
 
     fn candidate(&self, assessed: &AssessedCandidate<'_>, near: f64) -> ComparedCandidate {
-        let AssessedCandidate { candidate, record } = assessed;
+        let AssessedCandidate { candidate, record, evaluations } = assessed;
         let model = &candidate.model;
-        let class = EnergyClass::of(model);
-        let each: Vec<InTest> = self.tests.iter().map(|test| test.candidate(assessed, class, near)).collect();
+        let each: Vec<MisfitInTest> = self.tests.iter().map(|test| test.misfit(assessed, near)).collect();
         let one = self.tests.len() == 1;
-        let in_units = |of: fn(&InTest) -> &Option<Vec<f64>>| -> Option<Vec<f64>> {
+        let in_units = |of: fn(&MisfitInTest) -> &Option<Vec<f64>>| -> Option<Vec<f64>> {
             let misfits = self.tests.iter().zip(&each).map(|(test, in_test)| {
                 let unit = if one { 1.0 } else { test.wave().size() };
                 of(in_test).as_ref().map(|misfit| misfit.iter().map(|e| e / unit).collect::<Vec<f64>>())
             });
             misfits.collect::<Option<Vec<_>>>().map(|misfits| misfits.concat())
         };
-        let fits: Option<Vec<f64>> = each.iter().map(|in_test| in_test.fit_percent).collect();
-        let restitutions: Option<Vec<f64>> = each.iter().map(|in_test| in_test.restitution).collect();
-        let of_events: Vec<OwnTestErrors> = each.iter().map(|in_test| in_test.own_test).collect();
-        let crush_errors: Option<Vec<f64>> = each.iter().map(|in_test| in_test.crush_error_at_lower_speeds).collect();
-        let force_misfits: Vec<f64> = each.iter().filter_map(|in_test| in_test.force_misfit_percent).collect();
-        let worst_sensors = each.iter().filter_map(|in_test| in_test.worst_sensor.clone());
+        let fits: Option<Vec<f64>> = evaluations.iter().map(|of_test| of_test.fit_as_measured_percent).collect();
+        let restitutions: Option<Vec<f64>> = evaluations.iter().map(|of_test| of_test.restitution).collect();
+        let of_events: Vec<OwnTestErrors> = evaluations.iter().map(|of_test| of_test.own_test).collect();
+        let crush_errors: Option<Vec<f64>> =
+            evaluations.iter().map(|of_test| of_test.crush_error_at_lower_speeds).collect();
+        let force_misfits = evaluations.iter().filter_map(|of_test| of_test.force_misfit_percent);
+        let worst_sensors = evaluations.iter().filter_map(|of_test| of_test.worst_sensor.clone());
         let speeds: Vec<f64> = self.tests.iter().map(|test| test.acceleration.impact_speed_m_per_s).collect();
         // Forces at knots, springs and dampers end at zero, which a search in logarithms only comes near to.
         let size = |name: &str| model.value(name).map(f64::abs);
@@ -261,7 +273,7 @@ impl Comparison {
         ComparedCandidate {
             id: candidate.id(),
             model: record.model.clone(),
-            class,
+            class: EnergyClass::of(model),
             masses: model.masses_kg().len(),
             parameters: free_numbers(assessed).max(unidentified.len()),
             unidentified,
@@ -280,7 +292,7 @@ impl Comparison {
                 _ => geometric_mean(each.into_iter()),
             }),
             // The largest of the tests that have such a force.
-            force_misfit_percent: force_misfits.into_iter().reduce(f64::max),
+            force_misfit_percent: force_misfits.reduce(f64::max),
             own_test: OwnTestErrors::worst(&of_events),
             // The largest too: what the record of one test says of slower ones holds for all.
             crush_error_at_lower_speeds: crush_errors.and_then(|errors| errors.into_iter().reduce(f64::max)),
@@ -299,20 +311,19 @@ fn geometric_mean(values: impl Iterator<Item = f64>) -> Option<f64> {
     }
 }
 
-/// A candidate in one test.
-struct InTest {
+/// What a candidate misses of the accelerations of one test.
+struct MisfitInTest {
     /// Of the acceleration, at its least where noise might explain it.
     misfit: Option<Vec<f64>>,
     /// The part of it that is slower than 60 Hz.
     slow_misfit: Option<Vec<f64>>,
     /// Parameters that stand on no bound at the least misfit.
     inside: Vec<String>,
-    force_misfit_percent: Option<f64>,
-    fit_percent: Option<f64>,
-    worst_sensor: Option<(String, f64)>,
-    restitution: Option<f64>,
-    own_test: OwnTestErrors,
-    crush_error_at_lower_speeds: Option<f64>,
+}
+
+/// Index of the mass that the fit of a candidate put a channel on; `None`: the fit does not say.
+fn mass_of(candidate: &Candidate, channel: &str) -> Option<usize> {
+    candidate.fit.as_ref()?.sensors.iter().find(|sensor| sensor.channel == channel)?.mass.checked_sub(1)
 }
 
 impl ComparedTest {
@@ -339,30 +350,21 @@ impl ComparedTest {
         Some((variances.iter().sum::<f64>() / waves.len() as f64).sqrt())
     }
 
-    /// The accelerations as a model of so many masses meets them: a sensor on a mass that it does not have moves with
-    /// its compartment, as in a rigid body.
-    fn observed_by(&self, masses: usize) -> Observation {
+    /// The accelerations as a candidate meets them: a sensor on a mass that it does not have moves with its
+    /// compartment, as in a rigid body.
+    fn observed_by(&self, candidate: &Candidate) -> Observation {
         let mut observed = self.acceleration.clone();
-        for (wave, other) in observed.waves.iter_mut().skip(1).zip(&self.others) {
+        observed.waves[0].mass = mass_of(candidate, &self.channel);
+        let masses = candidate.model.masses_kg().len();
+        for (wave, other) in observed.waves.iter_mut().skip(1).zip(&self.measured.other_sensors) {
             wave.mass = other.place.mass(masses);
         }
         observed
     }
 
-    /// Of the sensors on other masses the one that a structure follows worst, and its displacement fit, percent.
-    fn worst_sensor(&self, structure: &Structure) -> Option<(String, f64)> {
-        let fits = self.others.iter().filter_map(|other| {
-            let mut observed = other.displacement.clone()?;
-            observed.waves[0].mass = other.place.mass(structure.masses_kg().len());
-            let fit = observed.fit_percent(&observed.misfit_of(structure)?)?;
-            Some((other.channel.clone(), fit))
-        });
-        fits.min_by(|(_, a), (_, b)| a.total_cmp(b))
-    }
-
     /// The restitution that a prior may be held against: neither a lower bound nor none at all.
     fn usual_restitution(&self) -> Option<f64> {
-        self.tested_restitution.filter(|e| *e > 0.0 && !self.rebound_is_cut)
+        self.measured.restitution.filter(|e| *e > 0.0 && !self.measured.rebound_is_cut)
     }
 
     /// Samples of each acceleration, and how many independent ones its filter lets through.
@@ -375,59 +377,21 @@ impl ComparedTest {
         })
     }
 
-    fn candidate(&self, assessed: &AssessedCandidate<'_>, class: EnergyClass, near: f64) -> InTest {
-        let structure = assessed.candidate.model.released().structure().ok();
-        let misfit = |observed: &Observation| observed.misfit_of(structure.as_ref()?);
-        let impact = self.acceleration.impact_of(self.wave());
-        let speed = impact.speed_m_per_s;
-        let loaded = structure.as_ref().and_then(|structure| impact.structure(structure));
-        let events = loaded.as_ref().and_then(|structure| structure.events(speed, HORIZON_S).ok());
-        let of_compartment = events.as_ref().and_then(|events| events.last());
-        let rebound = of_compartment.and_then(|events| events.rebound_velocity_m_per_s);
-        let crush = of_compartment.and_then(|events| events.dynamic_crush_m.zip(events.time_of_dynamic_crush_s));
-        let of_displacement = misfit(&self.displacement);
-        let observed = self.observed_by(structure.as_ref().map_or(1, |structure| structure.masses_kg().len()));
-        let of_acceleration = misfit(&observed).map(|misfit| without_shift(&observed, &misfit));
-        let least = of_acceleration.as_deref().and_then(|misfit| self.least(assessed, &observed, (misfit, near)));
-        let (misfit, inside) = least.map_or((of_acceleration, Vec::new()), |(least, inside)| (Some(least), inside));
-        InTest {
-            slow_misfit: misfit.as_ref().map(|misfit| slow_misfit(&observed, misfit)),
-            misfit,
-            inside,
-            fit_percent: of_displacement.as_ref().and_then(|misfit| self.displacement.fit_percent(misfit)),
-            worst_sensor: structure.as_ref().and_then(|structure| self.worst_sensor(structure)),
-            restitution: rebound.map(|rebound| -rebound / speed),
-            own_test: self.own_test(crush, rebound.map_or(0.0, |rebound| -rebound / speed)),
-            force_misfit_percent: self
-                .wall
-                .as_ref()
-                .zip(loaded.as_ref())
-                .and_then(|(wall, structure)| wall.misfit_percent(structure, speed)),
-            crush_error_at_lower_speeds: of_displacement
-                .filter(|_| class == EnergyClass::Plastic)
-                .and_then(|misfit| self.crush_error_at_lower_speeds(&misfit)),
-        }
-    }
-
-    /// How a model with this dynamic crush, m, this time of it, s, and this restitution misses the events of the test.
-    fn own_test(&self, crush: Option<(f64, f64)>, restitution: f64) -> OwnTestErrors {
-        let Some((crush_m, time_s)) = crush else { return OwnTestErrors::default() };
-        let share = |model: f64, test: f64| Some(model / test - 1.0).filter(|error| error.is_finite());
-        OwnTestErrors {
-            crush: self.dynamic_crush.and_then(|(of_test, _)| share(crush_m, of_test)),
-            time: self.dynamic_crush.and_then(|(_, of_test)| share(time_s, of_test)),
-            restitution: self.tested_restitution.map(|of_test| {
-                let error = restitution - of_test;
-                if self.rebound_is_cut { error.min(0.0) } else { error }
-            }),
-        }
+    /// The misfit of the accelerations, at its least where noise `near` times that before the event might explain it.
+    fn misfit(&self, assessed: &AssessedCandidate<'_>, near: f64) -> MisfitInTest {
+        let candidate = assessed.candidate;
+        let observed = self.observed_by(candidate);
+        let misfit = observed.misfit(&candidate.model.released()).map(|misfit| without_shift(&observed, &misfit));
+        let least = misfit.as_deref().and_then(|misfit| self.least(assessed, &observed, (misfit, near)));
+        let (misfit, inside) = least.map_or((misfit, Vec::new()), |(least, inside)| (Some(least), inside));
+        MisfitInTest { slow_misfit: misfit.as_ref().map(|misfit| slow_misfit(&observed, misfit)), misfit, inside }
     }
 
     /// The least misfit of the acceleration and what stands on no bound there, where it is below this one and the noise
     /// before the event is not far from that.
     fn least(
         &self,
-        AssessedCandidate { candidate, record }: &AssessedCandidate<'_>,
+        AssessedCandidate { candidate, record, .. }: &AssessedCandidate<'_>,
         observed: &Observation,
         (misfit, near): (&[f64], f64),
     ) -> Option<(Vec<f64>, Vec<String>)> {
@@ -449,17 +413,10 @@ impl ComparedTest {
         let lower = own.into_iter().chain(assessed).filter(|(least, _)| sum(least) < sum(misfit));
         lower.min_by(|(a, _), (b, _)| sum(a).total_cmp(&sum(b)))
     }
-
-    fn crush_error_at_lower_speeds(&self, misfit: &[f64]) -> Option<f64> {
-        let wave = &self.displacement.waves[0];
-        let model: Vec<f64> = wave.samples.iter().zip(misfit).map(|(x, misfit)| x + misfit).collect();
-        let spacing_s = wave.time_s(1) - wave.time_s(0);
-        crush_error_at_lower_speeds(&wave.samples, &model, spacing_s, self.displacement.impact_speed_m_per_s)
-    }
 }
 
 /// Numbers that the record was asked for; of a candidate that nobody assessed all but its masses.
-fn free_numbers(AssessedCandidate { candidate, record }: &AssessedCandidate<'_>) -> usize {
+fn free_numbers(AssessedCandidate { candidate, record, .. }: &AssessedCandidate<'_>) -> usize {
     match record.asked().count() {
         0 => {
             let is_mass = |name: &str| candidate.model.parameter_kind(name) == Some(ParameterKind::Mass);

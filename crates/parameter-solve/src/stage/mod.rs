@@ -25,7 +25,7 @@ use crate::stage::inputs::{
     Displaced, Record, from_events, not_slowed, pulse_displacement, up_to_the_end_of_the_event,
 };
 use crate::stage::options::Options;
-use crate::stage::recommendation::recommend;
+use crate::stage::recommendation::{compared, recommend};
 use crate::stage::records::{matching_record, write_candidates};
 use crate::stage::settings::StageSettings;
 use crate::stage::several_tests::from_several;
@@ -94,14 +94,22 @@ impl Stage for ParameterSolve {
         warn_of_bounds(&candidates, out);
         candidates.extend(fit_chains(settings, input, events.as_ref(), out)?);
         let channel = events.as_ref().map_or("", |events| &events.channel);
-        let assessed = write_candidates(&candidates, channel, out)?;
-        recommend(settings, input, events.as_ref().map(|events| (events, displacement.as_ref())), &assessed, out)?;
-        Ok(if assessed.is_empty() {
-            out.no_result("no model could be solved for", "leave models and method out, so that all are tried")
-        } else {
-            Outcome::Done
-        })
+        if candidates.is_empty() {
+            return Ok(none_solved(out));
+        }
+        let record = events.as_ref().map(|events| (events, displacement.as_ref()));
+        let comparison = compared(settings, input, record, out.notes())?;
+        let assessed = write_candidates(&candidates, channel, comparison.as_ref().ok(), out)?;
+        if assessed.is_empty() {
+            return Ok(none_solved(out));
+        }
+        recommend(settings, &comparison, &assessed, out)?;
+        Ok(Outcome::Done)
     }
+}
+
+fn none_solved(out: &mut Output) -> Outcome {
+    out.no_result("no model could be solved for", "leave models and method out, so that all are tried")
 }
 
 /// Why nothing can be solved for in this test, if so, and what to do. No fault of the artifact: the report shall still

@@ -12,30 +12,25 @@ use crate::stage::inputs::Displaced;
 use crate::stage::records::AssessedCandidate;
 use crate::stage::settings::StageSettings;
 
-/// Chooses and writes `/recommendation`.
+/// Chooses and writes `/recommendation`; without a comparison there is no choice, for a reason.
 pub fn recommend(
     settings: &StageSettings,
-    input: &Inputs,
-    record: Option<(&EventsV1, Option<&Displaced>)>,
+    comparison: &Result<Comparison, String>,
     candidates: &[AssessedCandidate<'_>],
     out: &mut Output,
 ) -> anyhow::Result<()> {
-    if candidates.is_empty() {
-        return Ok(());
-    }
-    let comparison = match compared(settings, input, record, out.notes())? {
-        Ok(comparison) => comparison,
+    let record = match comparison {
+        Ok(comparison) => chosen(settings, comparison, candidates, out),
         Err(because) => {
             out.summary(format!("none recommended: {because}"));
-            return out.put("/recommendation", &without(&because));
+            without(because)
         }
     };
-    let record = chosen(settings, &comparison, candidates, out);
     out.put("/recommendation", &record)
 }
 
 /// The choice by this comparison, its words added to the summary.
-pub fn chosen(
+fn chosen(
     settings: &StageSettings,
     comparison: &Comparison,
     candidates: &[AssessedCandidate<'_>],
@@ -56,7 +51,7 @@ pub fn chosen(
 }
 
 /// What the candidates are compared with, or why they are not.
-fn compared(
+pub fn compared(
     settings: &StageSettings,
     input: &Inputs,
     record: Option<(&EventsV1, Option<&Displaced>)>,
@@ -94,7 +89,7 @@ fn is_dual(candidate: &AssessedCandidate<'_>, earlier: &[AssessedCandidate<'_>])
 }
 
 /// No choice, and why.
-pub fn without(because: &str) -> RecommendationV1 {
+fn without(because: &str) -> RecommendationV1 {
     RecommendationV1 {
         recommended_because: because.to_owned(),
         simplest_because: because.to_owned(),

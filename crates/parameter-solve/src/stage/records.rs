@@ -2,27 +2,29 @@
 
 use std::collections::BTreeMap;
 
-use crumple_artifact::WriteError;
 use crumple_lumped::{Model, Parameter, ParameterKind};
 use crumple_lumped_fit::{
-    Assessed, BlockBootstrap, Candidate, Fit, Matched, Minimum, Profile, Propagation, SensorFit, Uncertainty,
-    all_in_words,
+    Assessed, BlockBootstrap, Candidate, Evaluation, Fit, Matched, Minimum, Profile, Propagation, SensorFit,
+    Uncertainty, all_in_words,
 };
-use crumple_signal::{About, Weight};
-use crumple_stage::Output;
 use crumple_stage::records::{
     CandidateV1, FitV1, MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1, PhysicalCoordinatesV1,
     ProfileV1, ReplicatesV1, SensorFitV1, UncertaintyV1,
 };
+use crumple_stage::{Output, Record};
 use nalgebra::SMatrix;
+use rayon::prelude::*;
+
+use crate::stage::comparison::Comparison;
 
 // A candidate as the artifact and a person get it.
 
-/// A candidate with its record.
+/// A candidate with its record, and beside each of the tests that candidates are compared with.
 #[derive(Debug)]
 pub struct AssessedCandidate<'a> {
     pub candidate: &'a Candidate,
     pub record: CandidateV1,
+    pub evaluations: Vec<Evaluation>,
 }
 
 /// Writes `/parameters/<id>` of every candidate, fitted to sensors of which `channel` is the pulse, and what a person
@@ -30,21 +32,25 @@ pub struct AssessedCandidate<'a> {
 pub fn write_candidates<'a>(
     candidates: &'a [Candidate],
     channel: &str,
+    comparison: Option<&Comparison>,
     out: &mut Output,
 ) -> anyhow::Result<Vec<AssessedCandidate<'a>>> {
+    let assess = |candidate: &'a Candidate| {
+        let mut record = record(candidate, channel);
+        let compared = comparison.filter(|_| record.first_impossible().is_none());
+        let evaluations = compared.map_or_else(Vec::new, |comparison| comparison.evaluate(candidate));
+        record.evaluation = compared.and_then(|comparison| comparison.evaluation_record(&evaluations));
+        AssessedCandidate { candidate, record, evaluations }
+    };
+    let assessed: Vec<AssessedCandidate<'a>> = candidates.par_iter().map(assess).collect();
     let mut written = Vec::new();
-    for candidate in candidates {
-        let one = AssessedCandidate { candidate, record: record(candidate, channel) };
-        if let Err(error) = out.put(&format!("/parameters/{}", candidate.id()), &one.record) {
-            // A wild root takes no other candidate with it.
-            let Some(WriteError::Impossible { field, value, .. }) = error.downcast_ref() else { return Err(error) };
-            let id = candidate.id();
-            let text = format!("{id} is left out: its {field} is {value:e}, which is no number of a vehicle");
-            out.notes().concern(About::Model(id), Weight::Slight, text);
+    for one in assessed {
+        let id = one.candidate.id();
+        if !out.put_candidate(&format!("/parameters/{id}"), &id, &one.record)? {
             continue;
         }
         out.summary(parameters_line(&one));
-        summary_text(candidate).into_iter().for_each(|text| out.summary(text));
+        summary_text(one.candidate).into_iter().for_each(|text| out.summary(text));
         written.push(one);
     }
     Ok(written)
@@ -63,6 +69,7 @@ fn record(candidate: &Candidate, channel: &str) -> CandidateV1 {
         fit: candidate.fit.as_ref().map(|fit| fit_record(fit, channel)),
         uncertainty: assessed.or_else(of_fit).or_else(open),
         notes: candidate.notes.iter().map(ToString::to_string).collect(),
+        evaluation: None,
     }
 }
 
@@ -93,7 +100,7 @@ fn fit_record(fit: &Fit, channel: &str) -> FitV1 {
 /// `kelvin/closed-form/1: stiffness 321.9 kN/m, ...` in the units of the trade, and how many of them the record leaves
 /// open.
 fn parameters_line(written: &AssessedCandidate<'_>) -> String {
-    let AssessedCandidate { candidate, record } = written;
+    let AssessedCandidate { candidate, record, .. } = written;
     let open = match (record.undetermined().len(), record.asked().count()) {
         (0, _) => String::new(),
         (n, of) => format!("; {n} of {of} not determined"),

@@ -10,7 +10,7 @@ use crumple_stage::{Inputs, Outcome, Output, RefuseExt, Usage, option};
 use crate::stage::assess::{assess_each, assess_fit};
 use crate::stage::comparison::Comparison;
 use crate::stage::inputs::{Record, motion, not_slowed, pulse_displacement, see, sensors_of, test_data};
-use crate::stage::recommendation::{chosen, without};
+use crate::stage::recommendation::recommend;
 use crate::stage::records::write_candidates;
 use crate::stage::settings::StageSettings;
 
@@ -54,11 +54,6 @@ pub fn from_several(settings: &StageSettings, tests: &[(String, Inputs)], out: &
     let mut candidates = fitted.refuse_with_hint(see(&["models", "fit-from", "fit-to"]))?;
     let asked = &settings.assessment;
     assess_each(&mut candidates, asked, out, |candidate| assess_fit(candidate, asked, None));
-    let assessed = write_candidates(&candidates, &names.join(" and "), out)?;
-    if assessed.is_empty() {
-        let reason = "no model could be fitted to all tests; the notes say why";
-        return Ok(Outcome::NoAcceptableResult(reason.to_owned()));
-    }
     let compared = tests
         .iter()
         .map(|test| {
@@ -67,15 +62,14 @@ pub fn from_several(settings: &StageSettings, tests: &[(String, Inputs)], out: &
             Comparison::read(settings, test.input, (&test.events, displacement.as_ref()), impact, out.notes())
         })
         .collect::<anyhow::Result<Option<Vec<_>>>>()?;
-    let choice = match compared {
-        Some(each) => chosen(settings, &Comparison::of_several(each), &assessed, out),
-        None => {
-            let because = "no acceleration and displacement of every pulse up to dynamic crush";
-            out.summary(format!("none recommended: {because}"));
-            without(because)
-        }
-    };
-    out.put("/recommendation", &choice)?;
+    let comparison = compared.map(Comparison::of_several);
+    let assessed = write_candidates(&candidates, &names.join(" and "), comparison.as_ref(), out)?;
+    if assessed.is_empty() {
+        let reason = "no model could be fitted to all tests; the notes say why";
+        return Ok(Outcome::NoAcceptableResult(reason.to_owned()));
+    }
+    let because = "no acceleration and displacement of every pulse up to dynamic crush";
+    recommend(settings, &comparison.ok_or_else(|| because.to_owned()), &assessed, out)?;
     Ok(Outcome::Done)
 }
 

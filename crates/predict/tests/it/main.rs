@@ -39,6 +39,7 @@ fn candidate(model: &Model) -> CandidateV1 {
             ..UncertaintyV1::default()
         }),
         notes: Vec::new(),
+        evaluation: None,
     }
 }
 

@@ -82,22 +82,17 @@ texts! { CandidateTexts
     rmse: "RMSE, mm";
     rmse_definition:
         "Root mean square displacement error over the compared window.";
-    aicc_definition:
-        "Corrected Akaike criterion of the displacement error over the same window, at the same number of independent \
-         samples for all: lower is better, it charges for every parameter.";
     matching_supported:
         "Of the solutions of coefficient matching the simulation supports {model}{dual}: fit {fit}{physical}.";
     and_its_dual:
         " and its dual {model}, which this sensor cannot tell from it";
     it_is_not_passive: "; it is not a passive structure";
     ranked_recommended:
-        "Ranked by the fit of the displacement, the model measured as the record was; AICc stands beside it, over the \
-         same window, for information. Highlighted is the chosen model, which need not be the one \
-         that follows this record closest: the list above says why. A dual gives exactly the same record on this \
-         sensor and so the same figures.";
+        "Ranked by the fit of the displacement, the model measured as the record was. Highlighted is the chosen model, \
+         which need not be the one that follows this record closest: the list above says why. A dual gives exactly the \
+         same record on this sensor and so the same figures.";
     ranked_best:
-        "Ranked by the fit of the displacement, the model measured as the record was; AICc stands beside it, over the \
-         same window, for information. Highlighted is the best that is physical, has no parameter left on a bound of \
+        "Ranked by the fit of the displacement, the model measured as the record was. Highlighted is the best that is physical, has no parameter left on a bound of \
          its search other than zero, the physical limit, and a fit within 0.1 points of the best such \
          candidate; of those the one with the fewest parameters left open by the record, then the one with the fewest \
          parameters. A dual gives exactly the same record on this sensor and so the same figures.";
@@ -122,9 +117,6 @@ texts! { CandidateTexts
          parameter is known, its interval says.";
     known_least: "Known least: {what}.";
     condition: "Condition of the sensitivities: {value}.";
-    independent_samples:
-        "{parameters} parameters, {samples} independent samples in the window{few}.";
-    too_few: ": too few for an AICc";
     other_sensor:
         "Sensor {channel} on mass {mass}, which the fit did not use: {error} root mean square{fit}.";
     sensor_fit: ", fit {fit}";

@@ -80,6 +80,7 @@ fn candidate(id: &str, fit_percent: f64) -> CandidateResult {
                 ..UncertaintyV1::default()
             }),
             notes: vec![],
+            evaluation: None,
         },
         simulation: Some(SimulationV1 {
             fit_percent: Some(fit_percent),

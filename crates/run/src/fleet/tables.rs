@@ -77,7 +77,7 @@ fn candidate_row(candidate: &CandidateSummary, summary: &Summary, parameters: &[
         simulation.and_then(|s| s.fit_velocity_percent).into(),
         simulation.and_then(|s| s.fit_acceleration_percent).into(),
         simulation.and_then(|s| s.iso18571_score).into(),
-        simulation.and_then(|s| s.aicc).into(),
+        candidate.aicc.into(),
         simulation.and_then(|s| s.rmse_displacement_m).into(),
         simulation.and_then(|s| s.dynamic_crush_m).into(),
         simulation.and_then(|s| s.time_of_dynamic_crush_s).into(),

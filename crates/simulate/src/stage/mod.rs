@@ -7,14 +7,13 @@ mod records;
 use std::path::PathBuf;
 
 use crate::{
-    Excitation, Measured, OtherSensor, SensorFit, SimulateError, Simulation, Window, beside, beside_mass, information,
+    Excitation, Measured, OtherSensor, SensorFit, SimulateError, Simulation, Window, beside, beside_mass,
     simulate_chain, simulate_driven,
 };
 use crumple_lumped::{LumpedError, Model, ModelKind};
-use crumple_lumped_fit::WallForce;
-use crumple_numerics::estimation::statistics::effective_samples;
+use crumple_lumped_fit::{FitQuantity, MeasuredTest, Observation, ObservedWave, WallForce, evaluate};
 use crumple_signal::{About, Acceleration, Displacement, Sampled, TestDescription, Velocity, Weight};
-use crumple_stage::records::{CandidateV1, EventsV1, TestV1};
+use crumple_stage::records::{CandidateV1, EvaluationV1, EventsV1, TestV1};
 use crumple_stage::{
     Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Usage, Wave, option, total_mass_remark,
 };
@@ -22,8 +21,8 @@ use rayon::prelude::*;
 
 use crate::stage::options::{ChainSettings, Options, Settings};
 use crate::stage::records::{
-    BesideTest, fitted_parameters, mass_of_occupant, mass_of_pulse, other_sensors, sensor_record, summary_line,
-    was_fitted, write_simulation,
+    AsMeasured, BesideTest, mass_of_occupant, mass_of_pulse, other_sensors, sensor_record, summary_line, was_fitted,
+    write_simulation,
 };
 
 /// The stage.
@@ -48,7 +47,7 @@ impl Stage for Simulate {
     fn run(settings: &Settings, input: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
         let test = input.test()?;
         let events: EventsV1 = input.record("/events")?;
-        let candidates = Candidate::read(input)?;
+        let candidates = Candidate::read(input, settings.stay_attached)?;
         if candidates.is_empty() && settings.chain.is_empty() {
             return Err(input.missing("/parameters/"));
         }
@@ -91,7 +90,7 @@ impl Stage for Simulate {
             .par_iter()
             .map(|candidate| {
                 let pulse = mass_of_pulse(&candidate.record, channel);
-                simulate_candidate(candidate, pulse, settings.stay_attached, &measured, window, &excitation)
+                simulate_candidate(candidate, pulse, &measured, window, &excitation)
             })
             .collect();
         let chains: Vec<Result<Simulation, SimulateError>> = settings
@@ -104,13 +103,10 @@ impl Stage for Simulate {
             .collect::<anyhow::Result<_>>()?;
 
         out.put("/test", &TestV1::from(&test))?;
-        let simulations = || results.iter().chain(&chains).flatten();
         let comparison = ComparisonWithTest {
             displacement: &displacement,
-            // The most that any candidate's error is worth: a smooth error makes no candidate good.
-            effective_samples: simulations().filter_map(|s| effective_samples(&s.error_m)).reduce(f64::max),
             others: other_sensors(input, &test, channel)?,
-            wall: wall_force(input, &events)?.filter(|_| drive.is_none()),
+            measured: as_measured(&measured, window, wall_force(input, &events)?),
             impact_speed_m_per_s,
         };
         let mut simulated = 0;
@@ -143,16 +139,23 @@ impl Stage for Simulate {
 pub struct Candidate {
     id: String,
     record: CandidateV1,
-    /// An error where the record names none.
+    /// An error where the record names none. The elastoplastic one is moved as asked: it leaves the barrier, or stays.
     model: Result<Model, LumpedError>,
+    /// What its record says of it beside the test: of a model that stays on the barrier, nothing.
+    evaluation: Option<EvaluationV1>,
 }
 
 impl Candidate {
-    fn read(input: &Inputs) -> anyhow::Result<Vec<Self>> {
+    fn read(input: &Inputs, stay_attached: bool) -> anyhow::Result<Vec<Self>> {
         let records: Vec<(String, CandidateV1)> = input.records("/parameters/")?;
         let read = |(id, record): (String, CandidateV1)| {
-            let model = Model::read(&record.model, &record.parameters);
-            Self { id, record, model }
+            let mut model = Model::read(&record.model, &record.parameters);
+            let mut evaluation = record.evaluation.clone();
+            if let Ok(Model::Elastoplastic(elastoplastic)) = &mut model {
+                elastoplastic.release = !stay_attached;
+                evaluation = evaluation.filter(|_| !stay_attached);
+            }
+            Self { id, record, model, evaluation }
         };
         Ok(records.into_iter().map(read).collect())
     }
@@ -174,19 +177,15 @@ fn refuse_fitted_names(chains: &[ChainSettings], candidates: &[Candidate]) -> an
 fn simulate_candidate(
     candidate: &Candidate,
     pulse: Option<usize>,
-    stay_attached: bool,
     measured: &Measured<'_>,
     window: Window,
     excitation: &Excitation<'_>,
 ) -> Result<Simulation, SimulateError> {
-    let mut model = candidate.model.clone()?;
+    let model = candidate.model.clone()?;
     if let Model::Chain(chain) = &model {
         // The number comes from a file: one that the chain does not have is none.
         let compartment = pulse.filter(|mass| (1..=chain.masses_kg().len()).contains(mass)).map(|mass| mass - 1);
         return simulate_chain(chain, None, compartment, measured, window, excitation);
-    }
-    if let Model::Elastoplastic(elastoplastic) = &mut model {
-        elastoplastic.release = !stay_attached;
     }
     simulate_driven(&model, measured, window, excitation)
 }
@@ -210,7 +209,16 @@ fn write_stated(stated: &ChainSettings, test: &TestDescription, out: &mut Output
         record.notes.push(text);
     }
     out.put(&format!("/parameters/{id}"), &record)?;
-    Ok(Candidate { id, record, model: Ok(Model::Chain(chain)) })
+    Ok(Candidate { id, record, model: Ok(Model::Chain(chain)), evaluation: None })
+}
+
+/// The test as candidates are evaluated by it, over the window that simulations are compared in.
+fn as_measured(test: &Measured<'_>, window: Window, wall: Option<WallForce>) -> Option<MeasuredTest> {
+    let what = (None, FitQuantity::Displacement);
+    let window_s = (0.0, window.end_s(test));
+    let wave = ObservedWave::new(test.displacement, what, test.measurement, window_s, usize::MAX).ok()?;
+    let displacement = Observation { impact_speed_m_per_s: test.impact_speed_m_per_s, waves: vec![wave] };
+    Some(MeasuredTest { wall, ..MeasuredTest::of_displacement(displacement) })
 }
 
 /// The force on the wall from contact to separation; without separation to the end of the record.
@@ -223,11 +231,9 @@ fn wall_force(input: &Inputs, events: &EventsV1) -> anyhow::Result<Option<WallFo
 /// What every simulation of a test is compared with.
 struct ComparisonWithTest<'a> {
     displacement: &'a Sampled,
-    /// Independent samples of the displacement error, one number for all candidates.
-    effective_samples: Option<f64>,
     others: Vec<OtherSensor>,
-    /// The force on the wall; none where something else than the impact moves the models.
-    wall: Option<WallForce>,
+    /// What candidates that carry no evaluation are evaluated by; `None`: too few samples.
+    measured: Option<MeasuredTest>,
     impact_speed_m_per_s: f64,
 }
 
@@ -243,7 +249,7 @@ impl ComparisonWithTest<'_> {
         out: &mut Output,
         beside: impl Fn(&Simulation, &OtherSensor, f64) -> Option<SensorFit>,
     ) -> anyhow::Result<usize> {
-        let Candidate { id, record, model } = candidate;
+        let Candidate { id, record, .. } = candidate;
         let simulation = match result {
             Ok(simulation) => simulation,
             Err(error) => {
@@ -253,22 +259,36 @@ impl ComparisonWithTest<'_> {
             }
         };
         out.summary(summary_line(id, &simulation));
-        let mean_square = simulation.comparison.rmse_displacement_m.map(|rmse| rmse * rmse);
-        let criterion =
-            self.effective_samples.zip(mean_square).map(|(n, v)| information(v, n, fitted_parameters(record, model)));
         let dt_s = self.displacement.dt_s();
         let sensors =
             self.others.iter().filter_map(|sensor| beside(&simulation, sensor, dt_s)).map(sensor_record).collect();
-        let structure = model.as_ref().ok().and_then(|model| model.structure().ok());
-        let force = self.wall.as_ref().filter(|_| drive.is_none()).zip(structure);
-        let beside_test = BesideTest {
-            information: criterion,
-            other_sensors: sensors,
-            force_misfit_percent: force.and_then(|(wall, s)| wall.misfit_percent(&s, self.impact_speed_m_per_s)),
-            impact_speed_m_per_s: self.impact_speed_m_per_s,
-            drive,
-        };
+        let as_measured =
+            if drive.is_none() { self.as_measured(candidate, &simulation) } else { AsMeasured::default() };
+        let beside_test =
+            BesideTest { other_sensors: sensors, as_measured, impact_speed_m_per_s: self.impact_speed_m_per_s, drive };
         write_simulation(id, record, simulation, beside_test, self.displacement, out)?;
         Ok(1)
+    }
+
+    /// What a candidate carries of this window; one that was stated, or that another program wrote, is evaluated here.
+    fn as_measured(&self, candidate: &Candidate, simulation: &Simulation) -> AsMeasured {
+        let Some(test) = &self.measured else { return AsMeasured::default() };
+        let (from_s, to_s) = test.window_s();
+        // Ends between two samples may fall on either.
+        let near = |a: f64, b: f64| (a - b).abs() < 1.5 * self.displacement.dt_s();
+        let is_of_window = |known: &&EvaluationV1| near(known.from_s, from_s) && near(known.to_s, to_s);
+        if let Some(known) = candidate.evaluation.as_ref().filter(is_of_window) {
+            return AsMeasured {
+                fit_percent: known.fit_as_measured_percent,
+                force_misfit_percent: known.force_misfit_percent,
+            };
+        }
+        let Ok(model) = &candidate.model else { return AsMeasured::default() };
+        let is_behind = simulation.masses.len() > simulation.compartment + 1;
+        let evaluation = evaluate(model, is_behind.then_some(simulation.compartment), test);
+        AsMeasured {
+            fit_percent: evaluation.fit_as_measured_percent,
+            force_misfit_percent: evaluation.force_misfit_percent,
+        }
     }
 }

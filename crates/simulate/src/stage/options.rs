@@ -185,6 +185,7 @@ impl ChainSettings {
                 format!("masses from the barrier on: {}", names.join(", ")),
                 "given in the pipeline, not fitted to this record".to_owned(),
             ],
+            evaluation: None,
         }
     }
 }

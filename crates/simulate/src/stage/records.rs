@@ -1,21 +1,26 @@
-//! Simulations as they stand in the artifact, beside other sensors and with the numbers of their fit counted.
+//! Simulations as they stand in the artifact, beside other sensors.
 
-use crate::{Information, OtherSensor, Rating, SensorFit, Simulation, deceleration_peak, is_on_engine, numbers_of};
-use crumple_artifact::WriteError;
-use crumple_lumped::{Chain, CrushEvents, Dynamics, LumpedError, Model, Motion, ParameterKind};
-use crumple_signal::{About, Displacement, Notes, QuantityKind, Sampled, TestDescription, Weight};
+use crate::{OtherSensor, Rating, SensorFit, Simulation, deceleration_peak, is_on_engine};
+use crumple_lumped::{CrushEvents, Dynamics, Motion};
+use crumple_signal::{Displacement, Notes, QuantityKind, Sampled, TestDescription};
 use crumple_stage::records::{CandidateV1, EnergyV1, OtherSensorV1, RatingV1, SimulationV1};
 use crumple_stage::{Inputs, Output, RefuseExt};
 
 /// What a simulation is compared with beside the motion of the pulse.
 pub struct BesideTest {
-    pub information: Option<Information>,
     pub other_sensors: Vec<OtherSensorV1>,
-    /// Misfit of the force on the wall, percent.
-    pub force_misfit_percent: Option<f64>,
+    /// Displacement fit as measured, and misfit of the force on the wall, percent.
+    pub as_measured: AsMeasured,
     pub impact_speed_m_per_s: f64,
     /// What moves the model where it is not the impact alone, in words.
     pub drive: Option<String>,
+}
+
+/// Figures of a model that was measured as the record was, percent; none under a drive.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct AsMeasured {
+    pub fit_percent: Option<f64>,
+    pub force_misfit_percent: Option<f64>,
 }
 
 /// Writes the record of a simulation and the waves of every mass, spring and damper.
@@ -29,7 +34,7 @@ pub fn write_simulation(
     grid: &Sampled,
     out: &mut Output,
 ) -> anyhow::Result<()> {
-    let BesideTest { information, other_sensors, force_misfit_percent, impact_speed_m_per_s, drive } = beside;
+    let BesideTest { other_sensors, as_measured, impact_speed_m_per_s, drive } = beside;
     let Simulation { motion, mut events, comparison, compartment, dynamics, .. } = simulation;
     let notes = notes_on(candidate, &mut events, dynamics.as_ref(), grid);
     let rebound = events.rebound_velocity_m_per_s.filter(|_| drive.is_none());
@@ -49,25 +54,21 @@ pub fn write_simulation(
         from_s: comparison.from_s,
         to_s: comparison.to_s,
         notes: notes.to_texts(),
-        aicc: information.and_then(|i| i.aicc),
-        effective_samples: information.map(|i| i.effective_samples),
-        fitted_parameters: information.map(|i| i.parameters),
+        aicc: None,
+        effective_samples: None,
+        fitted_parameters: None,
         other_sensors,
         drive,
         energy: dynamics.as_ref().map_or_else(Vec::new, |d| energies(d, events.time_of_dynamic_crush_s)),
         energy_closure: dynamics.as_ref().and_then(Dynamics::energy_closure),
         ratings: comparison.ratings.into_iter().map(rating_record).collect(),
-        fit_as_measured_percent: comparison.fit_as_measured_percent,
-        force_misfit_percent,
+        fit_as_measured_percent: as_measured.fit_percent,
+        force_misfit_percent: as_measured.force_misfit_percent,
         coefficient_of_restitution: rebound.map(|v| -v / impact_speed_m_per_s),
         rebound_velocity_m_per_s: rebound,
         peak_acceleration_m_per_s2: deceleration_peak(&motion.acceleration_m_per_s2, grid.dt_s()),
     };
-    if let Err(error) = out.put(&format!("/simulation/{id}"), &record) {
-        // A motion that grows beyond all numbers takes no other one with it.
-        let Some(WriteError::Impossible { field, value, .. }) = error.downcast_ref() else { return Err(error) };
-        let text = format!("{id} is left out: its {field} is {value:e}, which is no number of a vehicle");
-        out.notes().concern(About::Model(id.to_owned()), Weight::Slight, text);
+    if !out.put_candidate(&format!("/simulation/{id}"), id, &record)? {
         return Ok(());
     }
     let mut wave = |what: &str, quantity: QuantityKind, samples: Vec<f64>| {
@@ -206,100 +207,4 @@ pub fn mass_of_occupant(candidate: &CandidateV1, channel: &str, compartment: usi
 /// Whether the candidate's own fit saw this channel: it says nothing new then.
 pub fn was_fitted(candidate: &CandidateV1, channel: &str) -> bool {
     candidate.fit.as_ref().is_some_and(|fit| fit.sensors.iter().any(|sensor| sensor.channel == channel))
-}
-
-/// Numbers that the fit was free to choose, or the person who stated a chain.
-///
-/// Of a model by name: its springs, dampers and knots. Of a fitted chain: what its record says was free (an interval, a
-/// place in the correlation, or a bound it stopped on), without a mass that is the rest of the total. Of a stated
-/// chain, and of a fitted one that says nothing of it: all springs, dampers and knots.
-pub fn fitted_parameters(candidate: &CandidateV1, model: &Result<Model, LumpedError>) -> u32 {
-    if let Some(model) = model.as_ref().ok().filter(|model| !matches!(model, Model::Chain(_))) {
-        return numbers_of(model);
-    }
-    let names = || candidate.parameters.keys();
-    let is_mass = |name: &str| Chain::parameter_kind(name) == Some(ParameterKind::Mass);
-    let Some(known) = &candidate.uncertainty else {
-        return names().filter(|name| !is_mass(name)).count() as u32;
-    };
-    let on_bound = candidate.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
-    let free = |name: &&String| {
-        let fitted = known.order.contains(name) || on_bound.contains(name);
-        // A mass with an interval and nothing else follows from the total.
-        fitted || (!is_mass(name) && known.interval_low.contains_key(*name))
-    };
-    names().filter(free).count() as u32
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crumple_lumped::Kelvin;
-    use crumple_stage::records::{FitV1, UncertaintyV1};
-    use std::collections::BTreeMap;
-
-    const NAMES: [&str; 6] = ["m1_kg", "k1_n_per_m", "c1_n_s_per_m", "m2_kg", "k2_n_per_m", "c2_n_s_per_m"];
-
-    fn stated() -> CandidateV1 {
-        CandidateV1 {
-            model: "chain".to_owned(),
-            method: "car".to_owned(),
-            parameters: NAMES.iter().map(|name| ((*name).to_owned(), 1.0)).collect(),
-            physical: true,
-            equivalent_to: None,
-            fit: None,
-            uncertainty: None,
-            notes: vec![],
-        }
-    }
-
-    /// A chain of which m1, k1 and k2 were free, k2 stopped on a bound and m2 is the rest.
-    fn fitted() -> CandidateV1 {
-        let names = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<String>>();
-        let interval: BTreeMap<String, Option<f64>> =
-            names(&["m1_kg", "k1_n_per_m", "k2_n_per_m", "m2_kg"]).into_iter().map(|name| (name, Some(1.0))).collect();
-        CandidateV1 {
-            fit: Some(FitV1 {
-                channel: "103".to_owned(),
-                quantity: "displacement".to_owned(),
-                from_s: 0.0,
-                to_s: 0.08,
-                samples: 250,
-                rmse: 1e-3,
-                iterations: 9,
-                evaluations: 90,
-                stop_reason: "cost-converged".to_owned(),
-                active_bounds: names(&["k2_n_per_m"]),
-                sensors: vec![],
-            }),
-            uncertainty: Some(UncertaintyV1 {
-                order: names(&["m1_kg", "k1_n_per_m"]),
-                interval_low: interval.clone(),
-                interval_high: interval,
-                ..UncertaintyV1::default()
-            }),
-            ..stated()
-        }
-    }
-
-    fn count(record: &CandidateV1) -> u32 {
-        fitted_parameters(record, &Model::read(&record.model, &record.parameters))
-    }
-
-    #[test]
-    fn only_what_was_free_of_a_fitted_chain_is_counted() {
-        assert_eq!(count(&fitted()), 3);
-    }
-
-    #[test]
-    fn what_a_person_stated_was_chosen_by_a_person() {
-        assert_eq!(count(&stated()), 4);
-        assert_eq!(count(&CandidateV1 { uncertainty: None, ..fitted() }), 4);
-    }
-
-    #[test]
-    fn a_model_by_name_counts_as_ever() {
-        let kelvin = Model::Kelvin(Kelvin { mass_kg: 1.0, stiffness_n_per_m: 1.0, damping_n_s_per_m: 1.0 });
-        assert_eq!(fitted_parameters(&stated(), &Ok(kelvin)), 2);
-    }
 }

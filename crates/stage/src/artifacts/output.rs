@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use crumple_artifact::{ArtifactBuilder, OutputKind, Record};
-use crumple_signal::{Notes, QuantityKind, Sampled};
+use crumple_artifact::{ArtifactBuilder, OutputKind, Record, WriteError};
+use crumple_signal::{About, Notes, QuantityKind, Sampled, Weight};
 
 use crate::artifacts::inputs::path_of;
 use crate::error::{Refused, Usage};
@@ -28,6 +28,17 @@ impl Output {
     /// Adds a record under a topic. Error: the topic is taken, or a number in it is not finite.
     pub fn put<R: Record>(&mut self, topic: &str, record: &R) -> anyhow::Result<()> {
         self.builder.put(topic, record).context("a result cannot be written")
+    }
+
+    /// Adds the record of a candidate under a topic and returns whether it could. One with a number that no record holds
+    /// is left out, for a reason that the notes say: a wild root takes no other candidate with it. Error: the topic is
+    /// taken.
+    pub fn put_candidate<R: Record>(&mut self, topic: &str, id: &str, record: &R) -> anyhow::Result<bool> {
+        let Err(error) = self.put(topic, record) else { return Ok(true) };
+        let Some(WriteError::Impossible { field, value, .. }) = error.downcast_ref() else { return Err(error) };
+        let text = format!("{id} is left out: its {field} is {value:e}, which is no number of a vehicle");
+        self.notes.concern(About::Model(id.to_owned()), Weight::Slight, text);
+        Ok(false)
     }
 
     /// Adds a waveform in SI units; its topic is `/wave/<id>`.

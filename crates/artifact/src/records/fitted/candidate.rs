@@ -25,6 +25,36 @@ pub struct CandidateV1 {
     /// Reductions and assumptions, in words.
     #[serde(default)]
     pub notes: Vec<String>,
+    /// The candidate beside the test; `null`: nobody has compared it yet, or it is of several tests.
+    #[serde(default)]
+    pub evaluation: Option<EvaluationV1>,
+}
+
+/// A candidate beside the test, measured as the record was, over one window.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct EvaluationV1 {
+    /// Compared window: start, s after contact.
+    pub from_s: f64,
+    /// Compared window: end.
+    pub to_s: f64,
+    /// Displacement fit, percent, of the model sampled, filtered and integrated as the record was.
+    pub fit_as_measured_percent: Option<f64>,
+    /// Dynamic crush of the model over that of the test, less 1; `null`: it never stops.
+    pub crush_error: Option<f64>,
+    /// Time of dynamic crush of the model over that of the test, less 1; `null`: it never stops.
+    pub time_error: Option<f64>,
+    /// Restitution of the model less that of the test; `null`: the test shows none, or the model never stops.
+    pub restitution_error: Option<f64>,
+    /// Coefficient of restitution of the model in the test; `null`: it does not come back.
+    pub coefficient_of_restitution: Option<f64>,
+    /// Misfit of the force on the wall, percent of its root mean square; `null`: the test has no such force.
+    pub force_misfit_percent: Option<f64>,
+    /// Of the sensors on other masses the one that it follows worst.
+    pub worst_sensor: Option<String>,
+    /// Its displacement fit there, percent.
+    pub worst_sensor_fit_percent: Option<f64>,
+    /// Of a plastic model, the largest relative error of the crush at lower speeds that the record itself shows.
+    pub crush_error_at_lower_speeds: Option<f64>,
 }
 
 impl CandidateV1 {

@@ -6,7 +6,9 @@ mod matching;
 mod recommendation;
 mod simulation;
 
-pub use candidate::{CandidateV1, Certainty, Doubt, FitV1, ProfileV1, ReplicatesV1, SensorFitV1, UncertaintyV1};
+pub use candidate::{
+    CandidateV1, Certainty, Doubt, EvaluationV1, FitV1, ProfileV1, ReplicatesV1, SensorFitV1, UncertaintyV1,
+};
 pub use joint_tests::{JointTestV1, TestsV1};
 pub use matching::{MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1, PhysicalCoordinatesV1};
 pub use recommendation::{

@@ -35,12 +35,12 @@ pub struct SimulationV1 {
     /// What a reader should know.
     #[serde(default)]
     pub notes: Vec<String>,
-    /// Corrected Akaike criterion of the displacement error over the window, `Ne ln V + 2p + 2p(p+1)/(Ne-p-1)`, `V` in
-    /// m²; `null` with too few independent samples for the parameters.
+    /// Of an earlier version: corrected Akaike criterion of the displacement error. The criterion of a candidate is that
+    /// of `/recommendation`.
     pub aicc: Option<f64>,
-    /// Independent samples `Ne` in it: the same for all candidates of a run.
+    /// Of an earlier version: independent samples in it.
     pub effective_samples: Option<f64>,
-    /// Parameters `p` in it.
+    /// Of an earlier version: parameters in it.
     pub fitted_parameters: Option<u32>,
     /// The candidate beside other sensors on the vehicle, which its fit did not see.
     #[serde(default)]

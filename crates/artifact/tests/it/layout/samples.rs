@@ -41,6 +41,23 @@ pub fn candidate() -> CandidateV1 {
             ..UncertaintyV1::default()
         }),
         notes: vec!["undamped".into()],
+        evaluation: Some(evaluation()),
+    }
+}
+
+fn evaluation() -> EvaluationV1 {
+    EvaluationV1 {
+        from_s: 0.0,
+        to_s: 0.075,
+        fit_as_measured_percent: Some(99.5),
+        crush_error: Some(0.01),
+        time_error: Some(-0.02),
+        restitution_error: None,
+        coefficient_of_restitution: Some(0.15),
+        force_misfit_percent: Some(12.5),
+        worst_sensor: Some("103".to_owned()),
+        worst_sensor_fit_percent: Some(98.0),
+        crush_error_at_lower_speeds: Some(0.005),
     }
 }
 

@@ -316,7 +316,14 @@ fn of_plastic_models_the_record_has_the_last_word_on_lower_speeds() {
     // 20 ln 9 = 44: the line follows the pulse closer.
     let rough = ComparedCandidate { misfit: candidate("", EnergyClass::Plastic, 5, 3.0).misfit, ..all[2].clone() };
     assert_eq!(choose(&[line.clone(), rough], &record(), &rules).strength, Some((Strength::Contrary, 0)));
-    assert_eq!(ids(&[line.clone(), fine], &rules)[0].as_deref(), Some("fine"));
+    assert_eq!(ids(&[line.clone(), fine.clone()], &rules)[0].as_deref(), Some("fine"));
+    // What has no criterion has no difference to another: neither words nor a strength come of it.
+    let choice = choose(&[line.clone(), fine], &record(), &rules);
+    assert_eq!((choice.rated[1].difference_with_priors, choice.strength), (None, None));
+    assert!(!choice.recommended.because.contains("inf"), "{}", choice.recommended.because);
+    // Nor is a crush that cannot be compared an error.
+    let unknown = ComparedCandidate { crush_error_at_lower_speeds: None, ..line.clone() };
+    assert_eq!(ids(&[unknown, error("other", 5, 1.0, 0.002)], &rules)[0].as_deref(), Some("line"));
     assert_eq!(ids(&[line.clone(), coarse], &rules)[0].as_deref(), Some("coarse"));
     assert_eq!(ids(&[line.clone(), error("hardly", 4, 1.0, 0.04)], &rules)[0].as_deref(), Some("line"));
     let wide = SelectionRules { lower_speed_limit_percent: 10.0, ..rules };

@@ -14,7 +14,6 @@ use crate::findings::conclusions::conclusion::{Conclusion, conclusion};
 use crate::findings::conclusions::distinct_curves::{DistinctCurve, distinct_curves};
 use crate::findings::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::findings::conclusions::status::Status;
-use crate::findings::results::ranking::compare_ids;
 use crate::findings::{CandidateResult, IdentifiabilityCounts, Model, Ranking, Run};
 
 /// The schema that a summary names.
@@ -76,7 +75,7 @@ pub struct Summary {
     pub ranking: Vec<String>,
     /// The figure that orders `ranking`.
     pub ranked_by: String,
-    /// Those with an AICc by that, lowest first.
+    /// Those with a criterion in the choice, in its order: the adequate first, then by the criterion with priors.
     pub ranking_by_aicc: Vec<String>,
     pub matching_best: Option<MatchingSummary>,
     pub predictions: Vec<PredictionV1>,
@@ -190,6 +189,10 @@ pub struct CandidateSummary {
     pub fit: Option<FitV1>,
     pub uncertainty: Option<UncertaintyV1>,
     pub notes: Vec<String>,
+    /// Criterion of the choice, without priors; `null`: it took no part, or the record is too short for its parameters.
+    pub aicc: Option<f64>,
+    /// The same with priors, above the lowest of the candidates that take part.
+    pub difference_with_priors: Option<f64>,
 }
 
 /// Which solution of coefficient matching the simulation supports.
@@ -239,7 +242,7 @@ pub fn summary(run: &Run, ranking: &Ranking) -> Summary {
             .collect(),
         other_metrics: run.metrics_of_others().map(|metric| other_metric(run, metric)).collect(),
         models: run.models.iter().map(model).collect(),
-        candidates: run.candidates.iter().map(candidate).collect(),
+        candidates: run.candidates.iter().map(|candidate| candidate_summary(run, candidate)).collect(),
         distinct_curves: distinct_curves(run, ranking),
         recommended: ranking.best.clone(),
         recommended_because: ranking.because.clone(),
@@ -255,7 +258,9 @@ pub fn summary(run: &Run, ranking: &Ranking) -> Summary {
         ranked_by: "simulation.fit_as_measured_percent: displacement fit of the model, measured as the record was, \
                     over simulation.from_s to simulation.to_s, highest first; fit_percent where it is null"
             .to_owned(),
-        ranking_by_aicc: ids_ordered_by_aicc(run),
+        ranking_by_aicc: choice.map_or_else(Vec::new, |choice| {
+            choice.candidates.iter().filter(|rated| rated.aicc.is_some()).map(|rated| rated.id.clone()).collect()
+        }),
         matching_best: ranking.best_of_matching(run).map(|candidate| MatchingSummary {
             id: candidate.id.clone(),
             equivalent_to: candidate.record.equivalent_to.clone(),
@@ -271,9 +276,12 @@ pub fn summary(run: &Run, ranking: &Ranking) -> Summary {
     }
 }
 
-fn candidate(candidate: &CandidateResult) -> CandidateSummary {
+fn candidate_summary(run: &Run, candidate: &CandidateResult) -> CandidateSummary {
     let record = candidate.record.clone();
+    let rated = run.recommendation.iter().flat_map(|choice| &choice.candidates).find(|rated| rated.id == candidate.id);
     CandidateSummary {
+        aicc: rated.and_then(|rated| rated.aicc),
+        difference_with_priors: rated.and_then(|rated| rated.difference_with_priors),
         id: candidate.id.clone(),
         certainties: candidate.certainties(),
         simulation: candidate.simulation.clone(),
@@ -286,14 +294,6 @@ fn candidate(candidate: &CandidateResult) -> CandidateSummary {
         uncertainty: record.uncertainty,
         notes: record.notes,
     }
-}
-
-/// Candidates that have an AICc, lowest first; equal ones in id order.
-fn ids_ordered_by_aicc(run: &Run) -> Vec<String> {
-    let aicc_of = |candidate: &CandidateResult| Some((candidate.simulation.as_ref()?.aicc?, candidate.id.clone()));
-    let mut candidates: Vec<(f64, String)> = run.candidates.iter().filter_map(aicc_of).collect();
-    candidates.sort_by(|(a, x), (b, y)| a.total_cmp(b).then_with(|| compare_ids(x, y)));
-    candidates.into_iter().map(|(_, id)| id).collect()
 }
 
 fn metric_summary(metric: &MetricV1) -> MetricSummary {

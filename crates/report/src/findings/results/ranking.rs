@@ -201,6 +201,7 @@ mod tests {
                 fit: None,
                 uncertainty: None,
                 notes: vec![],
+                evaluation: None,
             },
             simulation: Some(SimulationV1 { fit_percent: Some(fit_percent), to_s: 0.07, ..SimulationV1::default() }),
             ..CandidateResult::default()

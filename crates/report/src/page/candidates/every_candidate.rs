@@ -24,7 +24,6 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         Column::text(texts.physical).means(texts.physical_definition),
         Column::number(texts.fit).means(texts.fit_definition),
         Column::number(texts.rmse).means(texts.rmse_definition),
-        Column::number("AICc").means(texts.aicc_definition),
         Column::number(texts.crush_error).means(texts.crush_error_definition),
         Column::number(texts.time_error).means(texts.time_error_definition),
     ];
@@ -104,15 +103,13 @@ fn row(out: &mut String, candidate: &CandidateResult, ranking: &Ranking) {
     let no = format!("<span class=\"no\">{}</span>", PHRASES.page.no);
     out.push_str(&format!(
         "<tr{}><td class=\"rank\">{}{place}</td><td>{about}</td><td class=\"parameters\">{}</td><td>{}</td>\
-         <td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td \
-         class=\"n\">{}</td></tr>\n",
+         <td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
         if best { " class=\"best\"" } else { "" },
         if best { &star } else { "" },
         parameters(candidate),
         if record.physical { PHRASES.page.yes } else { &no },
         number(candidate.fit_percent(), &|v| words::decimals(v, 2)),
         number(simulation.and_then(|s| s.rmse_displacement_m), &|v| words::decimals(MILLI * v, 2)),
-        number(simulation.and_then(|s| s.aicc), &|v| words::decimals(v, 1)),
         number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| words::signed(MILLI * v, 2)),
         number(simulation.and_then(|s| s.time_of_dynamic_crush_error_s), &|v| words::signed(MILLI * v, 2)),
     ));
@@ -133,14 +130,6 @@ fn how_well_known(candidate: &CandidateResult) -> Vec<String> {
         }
     }
     let Some(simulation) = &candidate.simulation else { return remarks };
-    if let (Some(p), Some(samples)) = (simulation.fitted_parameters, simulation.effective_samples) {
-        let filled = [
-            ("parameters", p.to_string()),
-            ("samples", words::significant(samples, 3)),
-            ("few", if simulation.aicc.is_some() { "" } else { texts.too_few }.to_owned()),
-        ];
-        remarks.push(fill(texts.independent_samples, &filled));
-    }
     let others = simulation.other_sensors.iter().map(|other| {
         let fit = other.fit_percent.map(|fit| format!("{} %", words::decimals(fit, 2)));
         let filled = [

@@ -190,6 +190,7 @@ fn candidate(id: &str, k_deviation: f64, figures: [f64; 3]) -> Value {
         "parameters": {"k": 10.0, "c": 5.0},
         "uncertainty": {"standard_deviation": {"k": k_deviation, "c": standard}},
         "simulation": {"fit_percent": fit, "aicc": aicc},
+        "difference_with_priors": aicc,
         "recommended": fit > 90.0,
     })
 }

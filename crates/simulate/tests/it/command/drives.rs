@@ -216,8 +216,6 @@ fn chains_of_the_pipeline_stand_beside_the_candidates() {
     }
     assert!((same.dynamic_crush_m.unwrap() - two.dynamic_crush_m.unwrap()).abs() < 1e-12);
     assert!((same.fit_percent.unwrap() - two.fit_percent.unwrap()).abs() < 1e-8);
-    assert_eq!((same.effective_samples, same.fitted_parameters), (two.effective_samples, Some(4)));
-    assert_eq!(two.fitted_parameters, Some(4));
     let stated: CandidateV1 = artifact.record("/parameters/chain/two/1").unwrap().unwrap();
     assert_eq!((stated.model.as_str(), stated.method.as_str()), ("chain", "two"));
     assert!((stated.parameters["k2_n_per_m"] - 4e5).abs() < 1e-9 && stated.parameters.len() == 6);
@@ -345,11 +343,9 @@ fn a_chain_that_was_fitted_is_simulated_beside_the_others() {
     ]
     .map(|(name, value)| (name.to_owned(), value))
     .into();
-    let mut fitted = candidate("chain", parameters.clone());
+    let fitted = candidate("chain", parameters.clone());
     let mut odd = fitted.clone();
     odd.parameters.remove("k2_n_per_m");
-    let order = vec!["k2_n_per_m".to_owned(), "m1_kg".to_owned()];
-    fitted.uncertainty = Some(UncertaintyV1 { order, ..UncertaintyV1::default() });
     write(&folder.path().join("5.mcap"), &[("chain/car/1", fitted), ("chain/odd/1", odd)]);
     let output = run_pipeline(folder.path(), "[simulate]\n");
     let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -360,8 +356,6 @@ fn a_chain_that_was_fitted_is_simulated_beside_the_others() {
     );
     let artifact = Artifact::open(&folder.path().join("6.mcap")).unwrap();
     let found: SimulationV1 = artifact.record("/simulation/chain/car/1").unwrap().unwrap();
-    // The spring and the mass that were free, by its record.
-    assert_eq!(found.fitted_parameters, Some(2));
     let chain = Chain::from_parameters(&parameters).unwrap();
     let events = chain.events(9.7, 2.0).unwrap().pop().unwrap();
     assert_eq!(found.dynamic_crush_m, events.dynamic_crush_m);

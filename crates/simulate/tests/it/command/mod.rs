@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use crumple_artifact::records::{
-    CandidateV1, EventsV1, FitV1, OtherSensorV1, RatingV1, SensorFitV1, SimulationV1, TestV1, UncertaintyV1,
+    CandidateV1, EvaluationV1, EventsV1, FitV1, OtherSensorV1, RatingV1, SensorFitV1, SimulationV1, TestV1,
 };
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_lumped::{Chain, CrushEvents, DoubleSpringMassDamper, Drive, Kelvin, Model};
@@ -26,6 +26,7 @@ fn candidate(model: &str, parameters: BTreeMap<String, f64>) -> CandidateV1 {
         fit: None,
         uncertainty: None,
         notes: Vec::new(),
+        evaluation: None,
     }
 }
 
@@ -103,6 +104,35 @@ fn writes_response_and_comparison_of_every_candidate_it_can() {
     for quantity in ["displacement", "velocity", "acceleration"] {
         let wave = &artifact.waves()[&format!("kelvin/closed-form/1/{quantity}")];
         assert_eq!((wave.sampled.len(), wave.sampled.t0_s(), wave.sampled.dt_s()), (1001, 0.0, 1e-4));
+    }
+}
+
+#[test]
+fn a_candidate_is_evaluated_once_and_one_that_carries_nothing_of_this_window_here() {
+    let folder = tempfile::tempdir().unwrap();
+    let to_s = MODEL.events(IMPACT_SPEED_M_PER_S).time_of_dynamic_crush_s.unwrap();
+    let carried = |to_s: f64| {
+        let known = EvaluationV1 {
+            to_s,
+            fit_as_measured_percent: Some(77.0),
+            force_misfit_percent: Some(7.0),
+            ..EvaluationV1::default()
+        };
+        CandidateV1 { evaluation: Some(known), ..candidate("kelvin", Model::Kelvin(MODEL).parameters()) }
+    };
+    let stated = candidate("kelvin", Model::Kelvin(MODEL).parameters());
+    let ids = ["kelvin/closed-form/1", "kelvin/closed-form/2", "kelvin/closed-form/3"];
+    let all = [(ids[0], carried(to_s)), (ids[1], carried(0.5 * to_s)), (ids[2], stated)];
+    write(&folder.path().join("5.mcap"), &all);
+    assert_eq!(run(folder.path()).status.code(), Some(0));
+    let artifact = Artifact::open(&folder.path().join("6.mcap")).unwrap();
+    let [first, second, third] =
+        ids.map(|id| -> SimulationV1 { artifact.record(&format!("/simulation/{id}")).unwrap().unwrap() });
+    assert_eq!((first.fit_as_measured_percent, first.force_misfit_percent), (Some(77.0), Some(7.0)));
+    for computed in [second, third] {
+        // The record is the model's own, without a filter: rounding alone.
+        assert!(computed.fit_as_measured_percent.unwrap() > 100.0 - 1e-9, "{:?}", computed.fit_as_measured_percent);
+        assert_eq!(computed.force_misfit_percent, None);
     }
 }
 

@@ -5,7 +5,7 @@ use crumple_lumped::{
     Collision, CollisionQuestions, CrashPulse, Drive, Element, ElementState, ForceDeflection, ForceDeflectionParameter,
     FrontToFront, HORIZON_S, Leg, Meeting, Moment, Node, Occupant, PathPoint, Place, Start, State, Structure, lead,
 };
-use crumple_lumped_fit::{AskedCurve, Extraction, MeasuredElement, MeasuredMass, MeasuredTest, extract};
+use crumple_lumped_fit::{AskedCurve, Extraction, ExtractionTest, MeasuredElement, MeasuredMass, extract};
 use crumple_metrics::{CrushStiffness, DamageProfile, energy_equivalent_speed, wall_stiffness};
 use serde_json::{Map, Value, json};
 
@@ -112,8 +112,14 @@ fn of_one_test(inputs: &Fields) -> Result<Value, String> {
         });
         curves.push(asked(element)?);
     }
-    let test =
-        MeasuredTest { dt_s, masses, elements, total_mass_kg: masses_free.then_some(total), wall: None, through: None };
+    let test = ExtractionTest {
+        dt_s,
+        masses,
+        elements,
+        total_mass_kg: masses_free.then_some(total),
+        wall: None,
+        through: None,
+    };
     let found = extract(&[test], &curves, 0.0).ok_or("nothing was extracted")?;
     Ok(json!({ "expected": {
         "force_n": found.forces_n,
@@ -137,7 +143,7 @@ fn of_several_tests(inputs: &Fields) -> Result<Value, String> {
         let masses = motions(&structure, &drive, fields.number("until_s")?, dt_s)?;
         fields.all_read()?;
         let elements = vec![MeasuredElement { front: None, rear: 0, curve: 0, gap_m: law.gap_m() }];
-        tests.push(MeasuredTest { dt_s, masses, elements, total_mass_kg: None, wall: None, through: None });
+        tests.push(ExtractionTest { dt_s, masses, elements, total_mass_kg: None, wall: None, through: None });
     }
     let (rate, found) = with_best_rate(&tests, &curve).ok_or("nothing was extracted")?;
     Ok(json!({ "expected": { "rate_s_per_m": rate, "force_n": found.forces_n[0] } }))
@@ -145,7 +151,7 @@ fn of_several_tests(inputs: &Fields) -> Result<Value, String> {
 
 /// The rate factor up to 0.2 s/m with which the equations of motion are met best, and what is extracted with it: the
 /// lowest of a grid, then golden sections of the root of the sum of squares, which has a corner near an exact record.
-fn with_best_rate(tests: &[MeasuredTest], curve: &AskedCurve) -> Option<(f64, Extraction)> {
+fn with_best_rate(tests: &[ExtractionTest], curve: &AskedCurve) -> Option<(f64, Extraction)> {
     let with = |rate_s_per_m: f64| extract(tests, &[AskedCurve { rate_s_per_m, ..curve.clone() }], 0.0);
     let misfit = |rate: f64| with(rate).map_or(f64::INFINITY, |extraction| extraction.objective.sqrt());
     let lowest = |rates: &[f64]| rates.iter().copied().min_by(|a, b| misfit(*a).total_cmp(&misfit(*b)));
@@ -173,7 +179,7 @@ fn of_a_program(inputs: &Fields) -> Result<Value, String> {
     };
     let elements = vec![MeasuredElement { front: None, rear: 0, curve: 0, gap_m: 0.0 }];
     let test =
-        MeasuredTest { dt_s: 1e-3, masses: vec![mass], elements, total_mass_kg: None, wall: None, through: None };
+        ExtractionTest { dt_s: 1e-3, masses: vec![mass], elements, total_mass_kg: None, wall: None, through: None };
     let curve = AskedCurve { knots_m: inputs.numbers("knots_m")?, rate_s_per_m: 0.0 };
     let weight = inputs.number("slope_change_weight_m2_per_n2")?;
     let found = extract(&[test], &[curve], weight).ok_or("nothing was extracted")?;

@@ -1,0 +1,176 @@
+//! A model beside its test, measured as the record was: the fit of its displacement, how it misses the events, other
+//! sensors and the force on the wall.
+
+use crumple_lumped::{HORIZON_S, Model, Structure};
+
+use crate::record::observation::Observation;
+use crate::record::sensor::{SensorPlace, WallForce};
+use crate::selection::compared::{EnergyClass, OwnTestErrors};
+use crate::selection::other_speeds::crush_error_at_lower_speeds;
+
+/// What a test shows of an impact and models are compared with.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredTest {
+    /// Displacement of the pulse over the compared window, with the impact speed.
+    pub displacement: Observation,
+    /// Sensors on other masses.
+    pub other_sensors: Vec<OtherMass>,
+    /// Dynamic crush, m, and the time of it, s after contact; `None`: the record does not show it.
+    pub dynamic_crush: Option<(f64, f64)>,
+    /// Coefficient of restitution; `None`: the record does not show it.
+    pub restitution: Option<f64>,
+    /// Whether the record ends before the rebound does, so that its restitution is a lower bound.
+    pub rebound_is_cut: bool,
+    /// Force on the wall up to separation.
+    pub wall: Option<WallForce>,
+}
+
+/// A sensor on another mass than that of the pulse.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OtherMass {
+    /// Its channel.
+    pub channel: String,
+    /// Where it sits.
+    pub place: SensorPlace,
+    /// Its displacement over the compared window, where it was integrated.
+    pub displacement: Option<Observation>,
+}
+
+/// A model beside a test.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Evaluation {
+    /// Displacement fit, percent, of the model sampled, filtered and integrated as the record was; `None`: it has no
+    /// response, or the record does not vary.
+    pub fit_as_measured_percent: Option<f64>,
+    /// How it misses the events of the test.
+    pub own_test: OwnTestErrors,
+    /// Its coefficient of restitution; `None`: it does not come back.
+    pub restitution: Option<f64>,
+    /// Misfit of the force on the wall, percent of its root mean square; `None`: the test has no such force.
+    pub force_misfit_percent: Option<f64>,
+    /// Of the sensors on other masses the one that it follows worst: channel and displacement fit, percent.
+    pub worst_sensor: Option<(String, f64)>,
+    /// Of a plastic model, the largest relative error of the crush at 0.60 to 0.95 of the speed, which the record itself
+    /// shows.
+    pub crush_error_at_lower_speeds: Option<f64>,
+}
+
+/// Compares a model with a test. `pulse`: index of the mass that the pulse is of, from the barrier on; `None`: the last.
+///
+/// The response of the displacement through the measurement is the expensive part. A model without a response has no
+/// figures.
+pub fn evaluate(model: &Model, pulse: Option<usize>, test: &MeasuredTest) -> Evaluation {
+    let Ok(structure) = model.structure() else { return Evaluation::default() };
+    let mut observed = test.displacement.clone();
+    observed.waves[0].mass = pulse;
+    let misfit = observed.misfit_of(&structure);
+    let impact = observed.impact_of(&observed.waves[0]);
+    let speed = impact.speed_m_per_s;
+    let loaded = impact.structure(&structure);
+    let events = loaded.as_ref().and_then(|structure| structure.events(speed, HORIZON_S).ok());
+    let of_pulse = events.as_ref().and_then(|events| pulse.and_then(|mass| events.get(mass)).or(events.last()));
+    let restitution = of_pulse.and_then(|events| events.rebound_velocity_m_per_s).map(|rebound| -rebound / speed);
+    let crush = of_pulse.and_then(|events| events.dynamic_crush_m.zip(events.time_of_dynamic_crush_s));
+    let is_plastic = EnergyClass::of(model) == EnergyClass::Plastic;
+    let wall = test.wall.as_ref().zip(loaded.as_ref());
+    Evaluation {
+        fit_as_measured_percent: misfit.as_ref().and_then(|misfit| observed.fit_percent(misfit)),
+        own_test: crush.map_or_else(OwnTestErrors::default, |crush| test.errors(crush, restitution.unwrap_or(0.0))),
+        restitution,
+        force_misfit_percent: wall.and_then(|(wall, structure)| wall.misfit_percent(structure, speed)),
+        worst_sensor: test.worst_sensor(&structure),
+        crush_error_at_lower_speeds: misfit.filter(|_| is_plastic).and_then(|misfit| {
+            let wave = &observed.waves[0];
+            let model: Vec<f64> = wave.samples.iter().zip(&misfit).map(|(x, misfit)| x + misfit).collect();
+            crush_error_at_lower_speeds(&wave.samples, &model, wave.time_s(1) - wave.time_s(0), speed)
+        }),
+    }
+}
+
+impl MeasuredTest {
+    /// A test of which nothing but the displacement of the pulse is known.
+    pub fn of_displacement(displacement: Observation) -> Self {
+        Self {
+            displacement,
+            other_sensors: Vec::new(),
+            dynamic_crush: None,
+            restitution: None,
+            rebound_is_cut: false,
+            wall: None,
+        }
+    }
+
+    /// The compared window, s after contact.
+    pub fn window_s(&self) -> (f64, f64) {
+        let wave = &self.displacement.waves[0];
+        (wave.time_s(0), wave.time_s(wave.samples.len() - 1))
+    }
+
+    /// How a model with this dynamic crush, m, this time of it, s, and this restitution misses the events.
+    fn errors(&self, (crush_m, time_s): (f64, f64), restitution: f64) -> OwnTestErrors {
+        let share = |model: f64, test: f64| Some(model / test - 1.0).filter(|error| error.is_finite());
+        OwnTestErrors {
+            crush: self.dynamic_crush.and_then(|(of_test, _)| share(crush_m, of_test)),
+            time: self.dynamic_crush.and_then(|(_, of_test)| share(time_s, of_test)),
+            restitution: self.restitution.map(|of_test| {
+                let error = restitution - of_test;
+                if self.rebound_is_cut { error.min(0.0) } else { error }
+            }),
+        }
+    }
+
+    /// Of the sensors on other masses the one that a structure follows worst, and its displacement fit, percent.
+    fn worst_sensor(&self, structure: &Structure) -> Option<(String, f64)> {
+        let fits = self.other_sensors.iter().filter_map(|other| {
+            let mut observed = other.displacement.clone()?;
+            observed.waves[0].mass = other.place.mass(structure.masses_kg().len());
+            let fit = observed.fit_percent(&observed.misfit_of(structure)?)?;
+            Some((other.channel.clone(), fit))
+        });
+        fits.min_by(|(_, a), (_, b)| a.total_cmp(b))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crumple_lumped::Kelvin;
+    use crumple_signal::{Measurement, Sampled};
+
+    use super::*;
+    use crate::FitQuantity;
+    use crate::record::observation::ObservedWave;
+
+    #[test]
+    fn the_model_of_the_record_misses_nothing_and_one_of_another_spring_its_crush() {
+        let model = |stiffness_n_per_m: f64| Kelvin { mass_kg: 1000.0, stiffness_n_per_m, damping_n_s_per_m: 0.0 };
+        let (made, speed) = (model(4e5), 15.0);
+        let at = |k: u32| made.state(speed, f64::from(k) * 1e-4).displacement_m;
+        let record = Sampled::new(0.0, 1e-4, (0..800).map(at).collect()).unwrap();
+        let what = (None, FitQuantity::Displacement);
+        let wave =
+            ObservedWave::new(&record, what, Measurement::of_samples(&record), (0.0, 0.078), usize::MAX).unwrap();
+        let events = made.events(speed);
+        let test = MeasuredTest {
+            dynamic_crush: events.dynamic_crush_m.zip(events.time_of_dynamic_crush_s),
+            restitution: Some(1.0),
+            ..MeasuredTest::of_displacement(Observation { impact_speed_m_per_s: speed, waves: vec![wave] })
+        };
+        let own = evaluate(&Model::Kelvin(made), None, &test);
+        // Rounding of 800 steps and of the closed form.
+        assert!((own.fit_as_measured_percent.unwrap() - 100.0).abs() < 1e-9, "{own:?}");
+        let OwnTestErrors { crush, time, restitution } = own.own_test;
+        assert!([crush, time, restitution].iter().all(|error| error.unwrap().abs() < 1e-9), "{own:?}");
+        // The fit is the same wherever the acceleration begins that the displacement is integrated from.
+        for first_s in [-0.001, -0.01, -0.05, -0.3_f64] {
+            let samples = record.len() + (-first_s / 1e-4).round() as usize;
+            let measurement = Measurement { first_s, samples, ..Measurement::of_samples(&record) };
+            let wave = ObservedWave::new(&record, what, measurement, (0.0, 0.078), usize::MAX).unwrap();
+            let early = Observation { impact_speed_m_per_s: speed, waves: vec![wave] };
+            let early = evaluate(&Model::Kelvin(made), None, &MeasuredTest::of_displacement(early));
+            assert!((early.fit_as_measured_percent.unwrap() - 100.0).abs() < 1e-9, "{first_s}: {early:?}");
+        }
+        // A fourfold stiffness halves crush and time.
+        let other = evaluate(&Model::Kelvin(model(1.6e6)), Some(0), &test).own_test;
+        assert!((other.crush.unwrap() + 0.5).abs() < 1e-9 && (other.time.unwrap() + 0.5).abs() < 1e-9, "{other:?}");
+    }
+}
