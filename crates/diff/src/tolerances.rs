@@ -98,8 +98,7 @@ pub(crate) fn same_ranking(key: &str, a: &Map<String, Value>, b: &Map<String, Va
         side.get(key)?.as_array()?.iter().map(|id| id.as_str().map(str::to_owned)).collect()
     };
     let figure_of = |side: &Map<String, Value>, id: &str| {
-        let all = side.get("candidates")?.as_array()?;
-        let candidate = all.iter().find(|candidate| candidate["id"] == id)?;
+        let candidate = side.get("candidates")?.as_array()?.iter().find(|candidate| candidate["id"] == id)?;
         figures.iter().find_map(|figure| candidate.pointer(&format!("/{figure}"))?.as_f64())
     };
     let apart = |side, x: &str, y: &str| Some((figure_of(side, x)? - figure_of(side, y)?).abs());
@@ -236,10 +235,9 @@ const ASIDE: [Row; 5] = [
     ("/test", "source.name", Tolerance::ANY),
 ];
 
-/// What a residual is worth, for every base. The number of its effective samples is an estimate from correlations of
-/// the closest candidate's residual, known to a tenth at best. Models whose criteria are less than 2 apart are equally
-/// supported (Burnham and Anderson 2002, section 2.6). A criterion is a sum over the effective samples, and known as
-/// well as their number.
+/// What a residual is worth, for every base. The number of its effective samples is known to a tenth at best, and so is
+/// a criterion, a sum over them. Models whose criteria are less than 2 apart are equally supported (Burnham and
+/// Anderson 2002, section 2.6).
 const ESTIMATED: [Row; 5] = [
     ("/simulation/*", "effective_samples", tolerance(0.0, 0.1)),
     ("/simulation/*", "aicc", tolerance(0.2, 0.1)),
@@ -266,7 +264,6 @@ const COMPUTATION: [Row; 15] = [
     ("/evidence/*", "*", tolerance(1e-9, 1e-6)),
     // How sure a parameter is, is not known to more than this; of perfect records the residuals are rounding errors.
     ("/parameters/*", "uncertainty.*", tolerance(0.0, 0.1)),
-    // As those of the simulation: of a perfect fit an error is rounding.
     ("/parameters/*", "evaluation.*", tolerance(1e-6, 1e-5)),
     ("/parameters/*", "*", tolerance(1e-9, 1e-5)),
     // What it compares are fits and their motion; of a perfect fit the misfit is a rounding error.

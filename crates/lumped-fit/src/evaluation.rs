@@ -50,12 +50,13 @@ pub struct Evaluation {
     pub force_misfit_percent: Option<f64>,
     /// Of the sensors on other masses the one that it follows worst: channel and displacement fit, percent.
     pub worst_sensor: Option<(String, f64)>,
-    /// Of a plastic model, the largest relative error of the crush at 0.60 to 0.95 of the speed, which the record itself
-    /// shows.
+    /// Of a plastic model, the largest relative error of the crush at 0.60 to 0.95 of the speed, which the record
+    /// itself shows.
     pub crush_error_at_lower_speeds: Option<f64>,
 }
 
-/// Compares a model with a test. `pulse`: index of the mass that the pulse is of, from the barrier on; `None`: the last.
+/// Compares a model with a test. `pulse`: index of the mass that the pulse is of, from the barrier on; `None`: the
+/// last.
 ///
 /// The response of the displacement through the measurement is the expensive part. A model without a response has no
 /// figures.

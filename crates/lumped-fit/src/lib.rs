@@ -17,8 +17,8 @@
 //! filter, integration; where that is not known, on the motion itself), and the candidate is made from that minimum.
 //! [`assess`] works there too.
 //!
-//! [`evaluate`] compares a model with its test, once for all who ask. [`choose`] names the candidate for prediction, the simplest and the closest: evidence as measured, and what is known
-//! of vehicles as terms of its own.
+//! [`evaluate`] compares a model with its test, once for all who ask. [`choose`] names the candidate for prediction,
+//! the simplest and the closest: evidence as measured, and what is known of vehicles as terms of its own.
 //!
 //! ```
 //! use crumple_lumped::Kelvin;

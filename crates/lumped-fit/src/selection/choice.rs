@@ -71,7 +71,7 @@ pub struct CandidateSelection {
 /// plastic ones. One with open numbers that are felt, not more than half of its numbers, qualifies too
 /// where its criterion is lower than all of those by more than 10, and the lowest with priors: the record itself speaks
 /// against them. Where that is a plastic structure, the plastic one with the fewest parameters that
-/// has the record's own crush at lower speeds ([`crush_error_at_lower_speeds`](crate::Evaluation::crush_error_at_lower_speeds)).
+/// has the record's own crush at lower speeds ([`crate::Evaluation::crush_error_at_lower_speeds`]).
 /// *Simplest*: of the adequate with all numbers determined the fewest, then the lowest criterion. *Closest*: of the
 /// physical the best displacement fit.
 pub fn choose(candidates: &[ComparedCandidate], record: &ComparedRecord, rules: &SelectionRules) -> CandidateSelection {

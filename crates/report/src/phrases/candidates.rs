@@ -92,10 +92,11 @@ texts! { CandidateTexts
          which need not be the one that follows this record closest: the list above says why. A dual gives exactly the \
          same record on this sensor and so the same figures.";
     ranked_best:
-        "Ranked by the fit of the displacement, the model measured as the record was. Highlighted is the best that is physical, has no parameter left on a bound of \
-         its search other than zero, the physical limit, and a fit within 0.1 points of the best such \
-         candidate; of those the one with the fewest parameters left open by the record, then the one with the fewest \
-         parameters. A dual gives exactly the same record on this sensor and so the same figures.";
+        "Ranked by the fit of the displacement, the model measured as the record was. Highlighted is the best that is \
+         physical, has no parameter left on a bound of its search other than zero, the physical limit, and a fit \
+         within 0.1 points of the best such candidate; of those the one with the fewest parameters left open by the \
+         record, then the one with the fewest parameters. A dual gives exactly the same record on this sensor and so \
+         the same figures.";
     ranked_none:
         "No candidate is called the best: that takes a physical candidate without a parameter on a bound that \
          explains at least half of the displacement; zero is no such bound, but the physical limit.";

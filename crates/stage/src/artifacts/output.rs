@@ -30,9 +30,9 @@ impl Output {
         self.builder.put(topic, record).context("a result cannot be written")
     }
 
-    /// Adds the record of a candidate under a topic and returns whether it could. One with a number that no record holds
-    /// is left out, for a reason that the notes say: a wild root takes no other candidate with it. Error: the topic is
-    /// taken.
+    /// Adds the record of a candidate under a topic and returns whether it could. One with a number that no record
+    /// holds is left out, for a reason that the notes say: a wild root takes no other candidate with it. Error: the
+    /// topic is taken.
     pub fn put_candidate<R: Record>(&mut self, topic: &str, id: &str, record: &R) -> anyhow::Result<bool> {
         let Err(error) = self.put(topic, record) else { return Ok(true) };
         let Some(WriteError::Impossible { field, value, .. }) = error.downcast_ref() else { return Err(error) };

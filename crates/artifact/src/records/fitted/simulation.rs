@@ -35,8 +35,8 @@ pub struct SimulationV1 {
     /// What a reader should know.
     #[serde(default)]
     pub notes: Vec<String>,
-    /// Of an earlier version: corrected Akaike criterion of the displacement error. The criterion of a candidate is that
-    /// of `/recommendation`.
+    /// Of an earlier version: corrected Akaike criterion of the displacement error. The criterion of a candidate is
+    /// that of `/recommendation`.
     pub aicc: Option<f64>,
     /// Of an earlier version: independent samples in it.
     pub effective_samples: Option<f64>,
