@@ -14,7 +14,7 @@ fn modes(root: &Path, record: &str, flags: &[&str]) -> Vec<(f64, f64)> {
     let record = root.join(record).to_string_lossy().into_owned();
     steps.run("ingest", &[&record, "--allow-missing", "-o", "1.mcap"]).unwrap();
     let printed = steps.run("identify", &[&["1.mcap", "--json", "-o", "4.mcap"], flags].concat()).unwrap();
-    let (_, found) = records(&printed, "/modes/").into_iter().next().unwrap();
+    let (_, found) = records(&printed, "/modes/").next().unwrap();
     let number = |mode: &Value, name: &str| mode[name].as_f64().unwrap_or(f64::NAN);
     let all = found["modes"].as_array().unwrap().iter();
     let upper = all.filter(|mode| number(mode, "im_rad_per_s") > 0.0);
