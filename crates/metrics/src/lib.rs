@@ -21,7 +21,7 @@
 //! let times = (0..900).map(|k| f64::from(k) * 1e-4);
 //! let velocity = Signal::new(0.0, 1e-4, times.clone().map(|t| 11.0 - 150.0 * t).collect())?;
 //! let displacement = Signal::new(0.0, 1e-4, times.map(|t| 11.0 * t - 75.0 * t * t).collect())?;
-//! let crush = crash_events(&velocity, &displacement, 0.0)?.crush.ok_or("it stops")?;
+//! let crush = crash_events(&velocity, &displacement)?.crush.ok_or("it stops")?;
 //! assert!((crush.displacement_m - 121.0 / 300.0).abs() < 1e-9);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
