@@ -122,10 +122,6 @@ pub fn without_impact(
     Ok(Outcome::Done)
 }
 
-/// How late the end of a force is found behind a filter, s, a standard deviation: 0.5 ms of the half sine, trapezoid
-/// and haversine of a sled behind CFC 60.
-const BEHIND_A_FILTER_S: f64 = 0.0005;
-
 /// The stroke: the way from contact to the end of the force, or where its fall does not show it to the largest change
 /// of velocity, `change_s`. `speed` is that at contact, `way` the way over ground, m.
 fn stroke(
@@ -138,7 +134,6 @@ fn stroke(
     // What rolls on passes 2 % of its stroke while a mean of 4.4 ms sees the end of the force.
     let end = end_of_force(&integrated.motion.acceleration, impact.time_of_peak_s, impact.end_s)
         .unwrap_or(Onset { time_s: change_s, deviation_s: SMOOTHING_S / 2.0 });
-    let end = Onset { deviation_s: end.deviation_s.hypot(BEHIND_A_FILTER_S), ..end };
     let metric = Metric::with_value(&STROKE, way.at(end.time_s)?.abs()).over(0.0, end.time_s);
     let of_speed = task
         .settings

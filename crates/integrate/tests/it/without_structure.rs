@@ -71,8 +71,8 @@ fn a_braked_sled_has_velocity_and_stroke_and_no_crush() {
     assert!((value(&artifact, "delta_v") / CHANGE - 1.0).abs() < 1e-6);
     // A symmetric pulse stops within half of v0 times its length.
     assert!((value(&artifact, "stroke") - CHANGE * 0.05).abs() < 1e-4, "{}", value(&artifact, "stroke"));
-    // A percent of gain is 0.9 % of the way that the pulse takes off v0·t, a half, and a standard deviation of the end
-    // of half a millisecond is nothing where it stands.
+    // A percent of gain is 0.9 % of the way that the pulse takes off v0·t, a half; when the force ends is nothing where
+    // it stands.
     let stroke = find(&artifact, "p", "stroke");
     let [low, high] = [stroke.low, stroke.high].map(|end| end.unwrap() / (CHANGE * 0.05) - 1.0);
     assert!((-0.012..-0.008).contains(&low) && (0.008..0.012).contains(&high), "{stroke:?}");

@@ -1,5 +1,7 @@
 //! Real situations of the clock, the contact and its end: what is typed, and what is right. Of the shared material.
 
+use std::f64::consts::PI;
+use std::fs;
 use std::path::Path;
 use std::process::Command;
 
@@ -145,13 +147,44 @@ fn what_is_pushed_has_its_change_of_velocity() {
     let (delta_v, stroke) = of(PUSHED, "sled-from-rest.csv", &[]);
     assert!((delta_v - 50.0).abs() < 0.3, "{delta_v}");
     let [low_m, high_m] = ["low", "high"].map(|end| number(&stroke[end]));
-    assert!((low_m..high_m).contains(&0.655) && high_m - low_m < 0.03, "{stroke}");
+    // 4 ms of the end at 13.9 m/s are 56 mm, the other inputs 15.
+    assert!((low_m..high_m).contains(&0.655) && high_m - low_m < 0.071, "{stroke}");
     let (delta_v, _) = of("T4-20-sled-that-is-pushed", "sled.csv", &[]);
     assert!((delta_v - 55.0).abs() < 0.3, "{delta_v}");
     const SECOND_VEHICLE: [&[&str]; 3] = [&["--vehicle=2"], &["--channel=2"], &["--vehicle-number=2"]];
     for flags in SECOND_VEHICLE {
         let (delta_v, _) = of("T4-10-struck-vehicle-at-rest", "v90001", flags);
         assert!((delta_v - 27.5).abs() < 0.3, "{flags:?}: {delta_v}");
+    }
+}
+
+/// Shape of a pulse over the share of its length, 0 to 1, before it is scaled.
+type Shape = fn(f64) -> f64;
+
+#[test]
+fn the_stroke_lies_in_its_interval_however_the_pulse_ends() {
+    let shapes: [Shape; 4] = [
+        |u| (PI * u).sin(),
+        |u| (PI * u).sin().powi(2),
+        |u| 1.0_f64.min(3.0 * u).min(3.0 * (1.0 - u)),
+        // It ends in a jump.
+        |_| 1.0,
+    ];
+    for (k, shape) in shapes.into_iter().enumerate() {
+        for length_s in [0.06, 0.1] {
+            let times = (0..3000).map(|k| f64::from(k) * 1e-4 - 0.1);
+            let at = |t: f64| if (0.0..length_s).contains(&t) { shape(t / length_s) } else { 0.0 };
+            // 50 km/h, and the way of a symmetric pulse: half of it times its length.
+            let change = 50.0 / 3.6;
+            let scale = change / (times.clone().map(at).sum::<f64>() * 1e-4);
+            let rows: String = times.map(|t| format!("{t:.4},{:.5}\n", scale * at(t))).collect();
+            let folder = tempfile::tempdir().unwrap();
+            fs::write(folder.path().join("sled.csv"), format!("time [s],acceleration [m/s^2]\n{rows}")).unwrap();
+            let flags = ["--kind=catapult", "--impact-speed=0km/h", "--time-zero=0s"];
+            let stroke = &found(folder.path(), ("", "sled.csv", &flags))["stroke"];
+            let [low_m, high_m] = ["low", "high"].map(|end| number(&stroke[end]));
+            assert!((low_m..high_m).contains(&(0.5 * change * length_s)), "shape {k}, {length_s} s: {stroke}");
+        }
     }
 }
 
