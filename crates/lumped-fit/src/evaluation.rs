@@ -76,7 +76,10 @@ pub fn evaluate(model: &Model, pulse: Option<usize>, test: &MeasuredTest) -> Eva
     let wall = test.wall.as_ref().zip(loaded.as_ref());
     Evaluation {
         fit_as_measured_percent: misfit.as_ref().and_then(|misfit| observed.fit_percent(misfit)),
-        own_test: crush.map_or_else(OwnTestErrors::default, |crush| test.errors(crush, restitution.unwrap_or(0.0))),
+        own_test: crush.map_or_else(OwnTestErrors::default, |crush| OwnTestErrors {
+            velocity: misfit.as_ref().and_then(|misfit| test.velocity_error(misfit, speed)),
+            ..test.errors(crush, restitution.unwrap_or(0.0))
+        }),
         restitution,
         force_misfit_percent: wall.and_then(|(wall, structure)| wall.misfit_percent(structure, speed)),
         worst_sensor: test.worst_sensor(&structure),
@@ -113,11 +116,21 @@ impl MeasuredTest {
         OwnTestErrors {
             crush: self.dynamic_crush.and_then(|(of_test, _)| share(crush_m, of_test)),
             time: self.dynamic_crush.and_then(|(_, of_test)| share(time_s, of_test)),
+            velocity: None,
             restitution: self.restitution.map(|of_test| {
                 let error = restitution - of_test;
                 if self.rebound_is_cut { error.min(0.0) } else { error }
             }),
         }
+    }
+
+    /// Velocity at the end of the compared window of a displacement misfit, over the impact speed: by its last eighth,
+    /// which no noise of a displacement reaches.
+    fn velocity_error(&self, misfit: &[f64], speed: f64) -> Option<f64> {
+        let wave = &self.displacement.waves[0];
+        let last = misfit.len() - 1;
+        let before = last - (misfit.len() / 32).max(1);
+        Some((misfit[last] - misfit[before]) / (wave.time_s(last) - wave.time_s(before)) / speed)
     }
 
     /// Of the sensors on other masses the one that a structure follows worst, and its displacement fit, percent.
@@ -159,7 +172,7 @@ mod tests {
         let own = evaluate(&Model::Kelvin(made), None, &test);
         // Rounding of 800 steps and of the closed form.
         assert!((own.fit_as_measured_percent.unwrap() - 100.0).abs() < 1e-9, "{own:?}");
-        let OwnTestErrors { crush, time, restitution } = own.own_test;
+        let OwnTestErrors { crush, time, restitution, .. } = own.own_test;
         assert!([crush, time, restitution].iter().all(|error| error.unwrap().abs() < 1e-9), "{own:?}");
         // The fit is the same wherever the acceleration begins that the displacement is integrated from.
         for first_s in [-0.001, -0.01, -0.05, -0.3_f64] {

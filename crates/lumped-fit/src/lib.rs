@@ -141,9 +141,9 @@ pub use selection::choice::{CandidateSelection, Choice, Strength, choose};
 pub use selection::compared::{
     ComparedCandidate, EnergyClass, Inadequacy, OwnTestErrors, Prior, SelectionRules, TestEvent, depends_on_rate,
 };
-pub use selection::evidence::{least_without_shift, slow_misfit, without_shift};
+pub use selection::evidence::{Evidence, SLOW_HZ};
 pub use selection::other_speeds::affects_predictions;
-pub use selection::rating::{ComparedRecord, ComparedWave, Rated};
+pub use selection::rating::{ComparedRecord, Rated};
 pub use solvers::closed_forms::{ONE_MASS_RATE_S_PER_M, RATE_PRIOR_S_PER_M};
 pub use solvers::table::{
     DEFAULT_MODELS, FRONT_MASS_FRACTION, MODELS, Needs, SolveSettings, Solver, solve, solvers_of,

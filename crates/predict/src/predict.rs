@@ -26,7 +26,9 @@ pub fn predict(
 ) -> Vec<Vec<Result<Prediction, PredictError>>> {
     let prepared: Vec<Result<Tested<'_>, PredictError>> =
         named.par_iter().map(|k| Tested::new(&candidates[*k], test)).collect();
-    let weighted: Vec<(&Candidate, OwnTest<'_>, f64)> = weights(candidates)
+    let weights = weights(candidates);
+    let heaviest = weights.first().map(|(k, _)| *k);
+    let weighted: Vec<(&Candidate, OwnTest<'_>, f64)> = weights
         .into_par_iter()
         .filter_map(|(k, weight)| Some((&candidates[k], OwnTest::new(&candidates[k], test).ok()?.0, weight)))
         .collect();
@@ -44,10 +46,12 @@ pub fn predict(
             .collect();
         Ok(prepared
             .par_iter()
-            .map(|tested| {
+            .zip(named)
+            .map(|(tested, place)| {
                 let tested = tested.as_ref().map_err(Clone::clone)?;
                 let occupant_ends = &setup.occupant_ends;
-                Impact { tested, partner, setting, scenario: *scenario, occupant_ends }.prediction(inputs, &others)
+                Impact { tested, partner, setting, scenario: *scenario, leads: heaviest == Some(*place), occupant_ends }
+                    .prediction(inputs, &others)
             })
             .collect())
     };
@@ -78,7 +82,7 @@ mod tests {
     });
     const MISSING: LumpedError = LumpedError::Diverges { model: ModelKind::Elastoplastic, time_s: 0.0 };
 
-    fn elastoplastic(difference: Option<f64>) -> Candidate {
+    fn elastoplastic(weight: f64) -> Candidate {
         let names = ["loading_stiffness_n_per_m", "unloading_stiffness_n_per_m"].map(str::to_owned);
         Candidate {
             id: "elastoplastic/closed-form/1".to_owned(),
@@ -89,12 +93,12 @@ mod tests {
                 correlation: vec![vec![1.0, 0.0], vec![0.0, 1.0]],
                 open: Vec::new(),
             }),
-            difference,
+            weight,
         }
     }
 
     fn stiffer() -> Candidate {
-        let mut other = elastoplastic(Some(0.0));
+        let mut other = elastoplastic(1.0);
         "elastoplastic/direct-fit/1".clone_into(&mut other.id);
         other.model = MODEL.changed([("loading_stiffness_n_per_m", 4.4e5)]).ok_or(MISSING);
         other
@@ -116,7 +120,7 @@ mod tests {
 
     #[test]
     fn a_linear_curve_scales_with_the_speed_and_the_root_of_the_mass() {
-        let one = [elastoplastic(Some(0.0))];
+        let one = [elastoplastic(1.0)];
         let crush = |speed, mass| at(&one, Inputs::default(), speed, mass).outcome.0[0].unwrap();
         let tested = crush(15.0, None);
         assert!((tested - 15.0 * f64::sqrt(1000.0 / 4e5)).abs() < 1e-9);
@@ -126,7 +130,7 @@ mod tests {
 
     #[test]
     fn the_tested_impact_extrapolates_nothing_and_a_faster_one_does() {
-        let one = [elastoplastic(Some(0.0))];
+        let one = [elastoplastic(1.0)];
         let own = at(&one, Inputs::default(), 15.0, None);
         assert_eq!((own.support.beyond, own.support.faster), (None, false));
         let faster = at(&one, Inputs::default(), 18.0, None);
@@ -138,13 +142,13 @@ mod tests {
 
     #[test]
     fn intervals_widen_with_extrapolation_and_with_other_models() {
-        let one = [elastoplastic(Some(0.0))];
+        let one = [elastoplastic(1.0)];
         let widths: Vec<f64> =
             [15.0, 17.0, 20.0].iter().map(|v| half_width(&at(&one, Inputs::default(), *v, None))).collect();
         // In the test: 1 % of stiffness is 0.5 % of crush, 1.645 of these.
         assert!((widths[0] - 0.00822).abs() < 1e-4, "{widths:?}");
         assert!(widths[0] < widths[1] && widths[1] < widths[2], "{widths:?}");
-        let two = [elastoplastic(Some(0.0)), stiffer()];
+        let two = [elastoplastic(1.0), stiffer()];
         let spread = half_width(&at(&two, Inputs::default(), 15.0, None));
         // Half of the weight on a model whose crush is 1/sqrt(1.1) of this: 4.65 %, times sqrt(0.5).
         let expected = 1.644_853_6 * f64::hypot(0.005, (1.0 - 1.1_f64.powf(-0.5)) * 0.5_f64.sqrt());
@@ -157,7 +161,7 @@ mod tests {
 
     #[test]
     fn a_prediction_is_as_unsure_as_the_record_that_it_is_from() {
-        let one = [elastoplastic(Some(0.0))];
+        let one = [elastoplastic(1.0)];
         let test = test().with_crush_deviation(0.01);
         let half = |inputs: Inputs, speed: f64| {
             let scenario = Scenario { speed_m_per_s: speed, partner_speed_m_per_s: 0.0, mass_kg: None };
@@ -207,7 +211,7 @@ mod tests {
         let test = recorded();
         for speed in [15.0, 10.0] {
             let scenario = Scenario { speed_m_per_s: speed, partner_speed_m_per_s: 0.0, mass_kg: None };
-            let one = [elastoplastic(Some(0.0))];
+            let one = [elastoplastic(1.0)];
             let predicted = predict(&one, &[0], &test, Inputs::default(), &[scenario], &ImpactSetup::default());
             let predicted = predicted[0][0].as_ref().unwrap();
             let truth = at(&[true_car()], Inputs::default(), speed, None).outcome;
@@ -236,7 +240,7 @@ mod tests {
     #[test]
     fn beyond_the_test_the_model_answers_and_of_several_tests_no_record_does() {
         let scenario = Scenario { speed_m_per_s: 18.0, partner_speed_m_per_s: 0.0, mass_kg: None };
-        let one = [elastoplastic(Some(0.0))];
+        let one = [elastoplastic(1.0)];
         let by = |test: &TestedImpact| {
             let predicted = predict(&one, &[0], test, Inputs::default(), &[scenario], &ImpactSetup::default());
             let predicted = predicted[0][0].clone().unwrap();
@@ -249,7 +253,7 @@ mod tests {
     #[test]
     fn equals_with_one_record_meet_as_at_the_wall() {
         let test = recorded();
-        let candidates = vec![elastoplastic(Some(0.0))];
+        let candidates = vec![elastoplastic(1.0)];
         let partner = Partner::Vehicle { candidates: candidates.clone(), place: 0, test: test.clone(), mass_kg: None };
         let at = |partner: Partner, partner_speed_m_per_s: f64| {
             let scenario = Scenario { speed_m_per_s: 12.0, partner_speed_m_per_s, mass_kg: None };
@@ -276,7 +280,7 @@ mod tests {
 
     #[test]
     fn an_open_parameter_that_the_test_holds_fast_is_no_doubt_of_its_crush() {
-        let mut open = elastoplastic(Some(0.0));
+        let mut open = elastoplastic(1.0);
         let spread = open.spread.as_mut().unwrap();
         spread.standard_deviation.insert("loading_stiffness_n_per_m".to_owned(), 4e6);
         let prediction = at(&[open], Inputs::default(), 12.0, None);
@@ -290,7 +294,7 @@ mod tests {
     #[test]
     fn a_mass_below_that_in_front_of_the_compartment_is_refused() {
         let scenario = Scenario { speed_m_per_s: 15.0, partner_speed_m_per_s: 0.0, mass_kg: Some(0.0) };
-        let candidates = [elastoplastic(None)];
+        let candidates = [elastoplastic(0.0)];
         let results = predict(&candidates, &[0], &test(), Inputs::default(), &[scenario], &ImpactSetup::default());
         assert!(matches!(results[0][0], Err(PredictError::Mass { .. })));
     }

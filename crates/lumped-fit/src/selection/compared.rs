@@ -5,6 +5,8 @@ use std::fmt;
 
 use crumple_lumped::{Model, ParameterKind};
 
+use crate::selection::evidence::Evidence;
+
 /// What takes the energy of the impact in a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum EnergyClass {
@@ -50,6 +52,8 @@ pub struct OwnTestErrors {
     pub crush: Option<f64>,
     /// Time of dynamic crush of the model over that of the test, less 1; `None`: the model does not stop.
     pub time: Option<f64>,
+    /// Velocity of the model at the end of the compared window less that of the test, over the impact speed.
+    pub velocity: Option<f64>,
     /// Restitution of the model, 0 without a rebound, less that of the test; `None`: the test shows none, or the model
     /// does not stop.
     pub restitution: Option<f64>,
@@ -65,6 +69,7 @@ impl OwnTestErrors {
         Self {
             crush: of_all(|errors| errors.crush),
             time: of_all(|errors| errors.time),
+            velocity: of_all(|errors| errors.velocity),
             restitution: each.iter().filter_map(|errors| errors.restitution).reduce(larger),
         }
     }
@@ -95,11 +100,10 @@ pub struct ComparedCandidate {
     pub on_bound: Vec<String>,
     /// Whether no spring or damper is negative.
     pub physical: bool,
-    /// Model less record as measured, the quantity of the evidence at every sample of the window; `None`: the model has
-    /// no response.
-    pub misfit: Option<Vec<f64>>,
-    /// The part of it that is slower than 60 Hz: what is evidence where the noise is known, and no ringing of a sensor.
-    pub slow_misfit: Option<Vec<f64>>,
+    /// Root mean square of model less record as measured, the quantity of the evidence; `None`: no response.
+    pub misfit: Option<f64>,
+    /// What the record says of it; `None`: the model has no response.
+    pub evidence: Option<Evidence>,
     /// Displacement fit as measured, percent.
     pub fit_percent: Option<f64>,
     /// Of sensors on other masses the one that it follows worst: channel and displacement fit, percent.
@@ -197,6 +201,10 @@ pub struct Prior {
 
 /// Name of the prior on what takes the energy.
 const CLASS: &str = "class";
+/// Name of the term for the crush at lower speeds that the record itself shows.
+const LOWER_SPEEDS: &str = "lower speeds";
+/// Name of the term for the force on the wall.
+const WALL_FORCE: &str = "wall force";
 /// Name of the prior on restitution.
 const RESTITUTION: &str = "restitution";
 
@@ -243,6 +251,13 @@ impl SelectionRules {
             let is_plastic = candidate.class == EnergyClass::Plastic;
             terms.push((CLASS, if is_plastic { 0.0 } else { self.plastic_prior }));
         }
+        let of_record = [
+            (LOWER_SPEEDS, candidate.crush_error_at_lower_speeds, self.lower_speed_limit_percent),
+            (WALL_FORCE, candidate.force_misfit_percent.map(|misfit| 0.01 * misfit), 0.5 * self.force_limit_percent),
+        ];
+        terms.extend(of_record.into_iter().filter_map(|(name, error, deviation)| {
+            Some((name, (error? / (0.01 * deviation)).powi(2))).filter(|_| deviation > 0.0)
+        }));
         if self.restitution_deviation > 0.0 {
             let e = candidate.restitution.unwrap_or(0.0).max(LEAST_RESTITUTION);
             terms.push((RESTITUTION, ((e / self.centre(tested)).ln() / self.restitution_deviation).powi(2)));
@@ -345,7 +360,7 @@ impl Inadequacy {
         match candidate.fit_percent {
             None => reasons.push(Self::NoDisplacement),
             Some(percent) if percent < limit => reasons.push(Self::DisplacementFit { percent, limit }),
-            Some(_) if candidate.misfit.is_none() => reasons.push(Self::NoResponse),
+            Some(_) if candidate.evidence.is_none() => reasons.push(Self::NoResponse),
             Some(_) => {}
         }
         let own = &candidate.own_test;
@@ -355,7 +370,7 @@ impl Inadequacy {
         let events = [
             (TestEvent::Crush, own.crush, 0.01 * rules.crush_limit_percent),
             (TestEvent::Restitution, own.restitution, rules.restitution_limit),
-            (TestEvent::Time, own.time, 0.01 * rules.time_limit_percent),
+            (TestEvent::Time, own.time.filter(|_| own.velocity.is_none_or(|v| v.abs() > 0.05)), 0.01 * rules.time_limit_percent),
         ];
         reasons.extend(events.into_iter().filter_map(|(event, error, limit)| {
             let error = error.filter(|error| error.abs() > limit)?;

@@ -1,53 +1,40 @@
 //! What speaks for and against each candidate, in numbers: its criterion and the priors, as squared terms that a reader
 //! can take off.
 
-use crate::record::sensor_noise::EXPLAINED;
+use crate::record::observation::ObservedWave;
 use crate::selection::compared::{ComparedCandidate, Inadequacy, SelectionRules, TestEvent};
-use crate::selection::evidence::{
-    criterion, criterion_of_known_noise, fewest_samples, independent_samples, visible_misfit,
-};
+use crate::selection::evidence::{Evidence, SLOW_HZ};
 
-/// Misfits up to this factor above the least give the number of independent samples: a bad fit gains nothing by being
-/// smooth.
-const COMPARABLE: f64 = 1.1;
-
-/// One wave of the compared record.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ComparedWave {
-    /// Its samples: misfits of all waves stand one behind the other.
-    pub samples: usize,
-    /// Independent samples that its filter lets through at most; infinite where it is not known.
-    pub most_independent: f64,
-}
+/// Share of a record's root mean square that no lumped model of a vehicle describes below 60 Hz, at least.
+static DISC: std::sync::LazyLock<f64> = std::sync::LazyLock::new(|| std::env::var("XDISC").ok().and_then(|v| v.parse().ok()).unwrap_or(0.02));
 
 /// What all candidates are compared with.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ComparedRecord {
     /// Root mean square of the record over the window, unit of the misfits.
     pub rms: f64,
-    /// Its waves: every sensor of every test.
-    pub waves: Vec<ComparedWave>,
-    /// Standard deviation of the record's noise, as it was before the event; `None`: not known.
-    pub noise: Option<f64>,
+    /// Standard deviation of the noise of the record below 60 Hz, as it was before the event, unit of the misfits; zero
+    /// where it is not known.
+    pub noise: f64,
+    /// Samples in a term of the evidence: one over twice 60 Hz and the sampling interval.
+    pub samples_in_a_term: f64,
     /// Restitution that the test shows.
     pub restitution: Option<f64>,
 }
 
 impl ComparedRecord {
-    /// Independent samples that its filters let through at most.
-    fn most_samples(&self) -> f64 {
-        self.waves.iter().map(|wave| wave.most_independent).sum()
+    /// Of the first of its waves, with this noise below 60 Hz.
+    pub fn of(wave: &ObservedWave, noise: f64) -> Self {
+        let samples_in_a_term = 0.5 / (SLOW_HZ * wave.measurement.dt_s * wave.stride as f64);
+        Self { rms: wave.size(), noise, samples_in_a_term, restitution: None }
     }
 
-    /// Independent samples in a misfit: those of its waves, for what two sensors miss are two things.
-    fn independent_samples(&self, misfit: &[f64]) -> f64 {
-        let mut rest = misfit;
-        let each = self.waves.iter().map(|wave| {
-            let (of_wave, others) = rest.split_at(wave.samples.min(rest.len()));
-            rest = others;
-            independent_samples(of_wave, self.rms, wave.most_independent)
-        });
-        each.sum()
+    /// Variance of a term that no model knows better: noise and the discrepancy of the best of them, at least what no
+    /// lumped model describes.
+    pub fn variance<'a>(&self, evidence: impl IntoIterator<Item = &'a Evidence>) -> f64 {
+        let known = self.noise.powi(2) + (*DISC * self.rms).powi(2);
+        let least = evidence.into_iter().filter_map(Evidence::least_variance).reduce(f64::min);
+        least.unwrap_or(0.0).max(known * self.samples_in_a_term)
     }
 }
 
@@ -61,14 +48,16 @@ pub struct Rated {
     pub is_compared: bool,
     /// Root mean square misfit, unit of the record.
     pub misfit: Option<f64>,
-    /// Criterion without priors.
-    pub aicc: Option<f64>,
+    /// Score without priors, see [`crate::Evidence::score`].
+    pub score: Option<f64>,
     /// The same above the lowest of the compared.
     pub difference: Option<f64>,
     /// What each prior adds.
     pub terms: Vec<(&'static str, f64)>,
-    /// Criterion with priors above the lowest of the compared.
+    /// Score with priors above the lowest of the compared.
     pub difference_with_priors: Option<f64>,
+    /// What it weighs in a prediction; zero: nothing.
+    pub weight: f64,
 }
 
 impl Rated {
@@ -93,97 +82,43 @@ impl Rated {
     }
 }
 
-/// Rates the candidates, in their order, of which those take part whose inadequacies allow it; with the number of
-/// independent samples that all were compared with, `None`: none is compared, and whether the noise before the event
-/// explains the least misfit, so that its level is known.
+/// Rates the candidates, in their order, of which those take part whose inadequacies allow it; with the number of terms
+/// that all were compared by, `None`: none is compared.
 pub(super) fn rate_all(
     candidates: &[ComparedCandidate],
     record: &ComparedRecord,
     rules: &SelectionRules,
     takes_part: fn(&[Inadequacy]) -> bool,
-) -> (Vec<Rated>, Option<f64>, bool) {
+) -> (Vec<Rated>, Option<usize>) {
     let mut rated: Vec<Rated> = candidates
         .iter()
         .zip(Inadequacy::of_all(candidates, rules))
         .map(|(candidate, inadequate)| Rated {
             is_compared: takes_part(&inadequate),
             inadequate,
-            misfit: candidate.misfit.as_deref().and_then(rms),
-            aicc: None,
+            misfit: candidate.misfit,
+            score: None,
             difference: None,
             terms: rules.terms(candidate, record.restitution),
             difference_with_priors: None,
+            weight: 0.0,
         })
         .collect();
-    let least = least_misfit(candidates, &rated, record);
-    // Noise that explains the best misfit is a level that nobody has to estimate from misfits.
-    let noise = record.noise.map(|noise| noise.hypot(visible_misfit(&[0.0], record.rms)));
-    let noise = noise.filter(|noise| least.is_some_and(|least| least * least <= EXPLAINED * noise * noise));
-    let noise = noise.filter(|_| record.most_samples().is_finite());
-    let shared = || shared_samples(candidates, &rated, record, least?);
-    let samples = if noise.is_some() { Some(record.most_samples()) } else { shared() };
-    if let Some(samples) = samples {
-        rate(candidates, &mut rated, record, (samples, noise));
+    let compared = || candidates.iter().zip(&rated).filter(|(_, rated)| rated.is_compared).map(|(one, _)| one);
+    let evidence = || compared().filter_map(|candidate| candidate.evidence.as_ref());
+    let Some(terms) = evidence().map(|evidence| evidence.terms.len()).next() else { return (rated, None) };
+    let variance = record.variance(evidence());
+    for (candidate, rated) in candidates.iter().zip(&mut rated) {
+        rated.score = candidate.evidence.as_ref().and_then(|evidence| evidence.score(variance));
     }
-    (rated, samples, noise.is_some())
-}
-
-fn rms(misfit: &[f64]) -> Option<f64> {
-    let mean_square = misfit.iter().map(|e| e * e).sum::<f64>() / misfit.len() as f64;
-    Some(mean_square.sqrt()).filter(|rms| rms.is_finite())
-}
-
-/// The least misfit of a compared candidate, with what no sensor knows.
-fn least_misfit(candidates: &[ComparedCandidate], rated: &[Rated], record: &ComparedRecord) -> Option<f64> {
-    let compared = candidates.iter().zip(rated).filter(|(_, rated)| rated.is_compared);
-    let misfits = compared.filter_map(|(candidate, _)| candidate.misfit.as_deref());
-    misfits.map(|misfit| visible_misfit(misfit, record.rms)).reduce(f64::min)
-}
-
-/// The smallest number of independent samples among compared candidates with comparable misfits, at least as many as
-/// the compared candidate with the fewest numbers needs: where a misfit is all zero level, all of it is worth one
-/// sample, and there is still a choice among those.
-fn shared_samples(
-    candidates: &[ComparedCandidate],
-    rated: &[Rated],
-    record: &ComparedRecord,
-    least: f64,
-) -> Option<f64> {
-    let compared = || candidates.iter().zip(rated).filter(|(_, rated)| rated.is_compared);
-    let misfits: Vec<&[f64]> = compared().filter_map(|(candidate, _)| candidate.misfit.as_deref()).collect();
-    let fewest = compared().map(|(candidate, _)| candidate.parameters).min()?;
-    misfits
-        .iter()
-        .filter(|misfit| visible_misfit(misfit, record.rms) <= COMPARABLE * least)
-        .map(|misfit| record.independent_samples(misfit))
-        .reduce(f64::min)
-        .map(|samples| samples.max(fewest_samples(fewest)))
-}
-
-/// Fills in the criteria.
-fn rate(
-    candidates: &[ComparedCandidate],
-    rated: &mut [Rated],
-    record: &ComparedRecord,
-    (samples, noise): (f64, Option<f64>),
-) {
-    for (candidate, rated) in candidates.iter().zip(rated.iter_mut()) {
-        let parameters = candidate.parameters;
-        rated.aicc = match noise {
-            Some(noise) => candidate
-                .slow_misfit
-                .as_deref()
-                .and_then(|slow| criterion_of_known_noise(slow, record.rms, (samples, noise), parameters)),
-            None => candidate.misfit.as_deref().and_then(|misfit| criterion(misfit, record.rms, samples, parameters)),
-        };
-    }
-    let with_priors = |rated: &Rated| Some(rated.aicc? + rated.terms.iter().map(|(_, term)| term).sum::<f64>());
+    let with_priors = |rated: &Rated| Some(rated.score? + rated.terms.iter().map(|(_, term)| term).sum::<f64>());
     let least = |of: &dyn Fn(&Rated) -> Option<f64>| {
         rated.iter().filter(|rated| rated.is_compared).filter_map(of).reduce(f64::min)
     };
-    let (lowest, lowest_with_priors) = (least(&|rated| rated.aicc), least(&with_priors));
-    for rated in rated.iter_mut() {
-        rated.difference = rated.aicc.zip(lowest).map(|(aicc, lowest)| aicc - lowest);
+    let (lowest, lowest_with_priors) = (least(&|rated| rated.score), least(&with_priors));
+    for rated in &mut rated {
+        rated.difference = rated.score.zip(lowest).map(|(score, lowest)| score - lowest);
         rated.difference_with_priors = with_priors(rated).zip(lowest_with_priors).map(|(total, lowest)| total - lowest);
     }
+    (rated, Some(terms))
 }

@@ -159,6 +159,8 @@ pub const RATE_PRIOR_S_PER_M: f64 = 0.008;
 pub const ONE_MASS_RATE_S_PER_M: f64 = 0.004;
 /// Restitution of a full frontal test near 56 km/h, where the record does not show the rebound: 0.1 to 0.2.
 pub(crate) const USUAL_RESTITUTION: f64 = 0.15;
+/// Restitution below which a record shows no rebound: the drift of a velocity, 2 % of 15 m/s.
+const NO_REBOUND: f64 = 0.02;
 /// Time between two knots, s: half a period of what CFC 60 passes of a wave, with as much again for noise.
 pub(crate) const KNOT_SPACING_S: f64 = 0.009;
 
@@ -166,7 +168,7 @@ pub(crate) const KNOT_SPACING_S: f64 = 0.009;
 /// put in.
 const STIFFER: f64 = 1.05;
 /// The last piece of a curve, at least, over its largest deflection: beyond it the curve goes on with its slope.
-const LAST_PIECE: f64 = 0.12;
+const LAST_PIECE: f64 = 0.03;
 /// The first knot, beside those equal in time, after this part of their spacing: structures reach their plateau in 1 to
 /// 5 cm, which CFC 60 does not resolve in time, but its energy is in the record.
 const FIRST_KNOT: usize = 3;
@@ -290,10 +292,15 @@ fn curve(
     fitting.weighed_nearby(&start, &free)
 }
 
+/// The restitution that a structure is to have: that of the test.
+pub(super) fn restitution(task: &Task<'_>) -> f64 {
+    task.test.coefficient_of_restitution.map_or(USUAL_RESTITUTION, |e| e.max(NO_REBOUND))
+}
+
 /// The structure with these knots: stiff enough in unloading that the restitution is that of the test.
 fn structure(task: &Task<'_>, knots: &[(f64, f64)], extent: &Extent) -> Option<CrushedStructure> {
     let (mass_kg, v0) = (task.test.mass_kg, task.test.impact_speed_m_per_s);
-    let restitution = task.test.coefficient_of_restitution.filter(|e| *e > 0.0).unwrap_or(USUAL_RESTITUTION);
+    let restitution = restitution(task);
     let stiff = 1e3 * mass_kg * (v0 / extent.crush_m).powi(2) * knots.len() as f64;
     let rate = task.settings.rate_factor_s_per_m;
     let steep = CrushedStructure::new(mass_kg, knots, stiff, rate).ok()?;
@@ -308,7 +315,7 @@ fn structure(task: &Task<'_>, knots: &[(f64, f64)], extent: &Extent) -> Option<C
 /// What was assumed.
 fn remarks(task: &Task<'_>, model: &Model) -> Vec<String> {
     let knots = if let Model::ForceDeflection(structure) = model { structure.knots().len() - 1 } else { 0 };
-    let unloading = if task.test.coefficient_of_restitution.is_some_and(|e| e > 0.0) {
+    let unloading = if task.test.coefficient_of_restitution.is_some() {
         "of the test".to_owned()
     } else {
         format!("{USUAL_RESTITUTION}, the usual one of a full frontal test: the record shows none")

@@ -6,12 +6,12 @@
 //! and the force on the wall where that is fitted.
 
 use crumple_lumped::{CrushedLoadPaths, LOAD_PATHS, LoadPath, MOST_KNOTS_OF_PATH, Model, ModelKind};
-use crumple_numerics::estimation::statistics::InformationCriteria;
 use crumple_signal::{Displacement, Notes, Sampled, Signal};
 
 use crate::parameters::{free_masses, free_parameters};
-use crate::selection::evidence::{independent_samples, visible_misfit};
-use crate::solvers::closed_forms::{KNOT_SPACING_S, RATE_PRIOR_S_PER_M, USUAL_RESTITUTION};
+use crate::selection::evidence::Evidence;
+use crate::selection::rating::ComparedRecord;
+use crate::solvers::closed_forms::{KNOT_SPACING_S, RATE_PRIOR_S_PER_M, restitution};
 use crate::solvers::fitting::{FitStart, FitTask};
 use crate::solvers::table::{Extent, Task};
 use crate::{
@@ -34,8 +34,6 @@ const LEAST_PIECE: f64 = 0.03;
 const LAST_PIECE: f64 = 0.12;
 /// Least unloading stiffness over the steepest slope of the curve read: the fit moves the forces, and may not pass it.
 const STIFFER: f64 = 1.5;
-/// Misfits up to this factor above the other give the number of independent samples, as in the choice of a candidate.
-const COMPARABLE: f64 = 2.0;
 /// Most samples of the motions that curves are read from.
 const SAMPLES: usize = 1000;
 /// Samples that curves are read from at least.
@@ -216,7 +214,7 @@ impl Motions {
             _ => masses_kg,
         };
         let turns: f64 = extraction.forces_n.iter().filter_map(|forces| forces.last()).map(|force| force * force).sum();
-        let restitution = task.test.coefficient_of_restitution.filter(|e| *e > 0.0).unwrap_or(USUAL_RESTITUTION);
+        let restitution = restitution(task);
         // All that the paths give back together is what the vehicle rebounds with.
         let by_restitution = turns / (total_kg * (task.test.impact_speed_m_per_s * restitution).powi(2));
         let mut model = CrushedLoadPaths { m1_kg, m2_kg, paths: [None; LOAD_PATHS] };
@@ -254,38 +252,25 @@ impl Motions {
             let what = (Some(2), FitQuantity::Force);
             ObservedWave::new(wall.record, what, measurement, window_s, usize::MAX).ok()
         });
-        let waves = [wave(0)?, wave(1)?].into_iter().chain(wall).collect();
+        let mut waves: Vec<ObservedWave> = [wave(0)?, wave(1)?].into_iter().chain(wall).collect();
+        let size = waves[0].size();
+        waves.iter_mut().for_each(|wave| wave.weight = size / wave.size());
         Some(Observation { impact_speed_m_per_s: task.test.impact_speed_m_per_s, waves }.limited(1))
     }
 }
 
 /// Whether the accelerations of engine and compartment, and the force on the wall beside them, ask for the path that
-/// one of the fits has more: a corrected Akaike criterion that is lower with it, of all waves together, each with the
-/// fewer independent samples of the two fits where their misfits are comparable, else with those of the better.
+/// one of the fits has more: a lower score with it, as in the choice of a candidate.
 fn asks_for(accelerations: &Observation, without: &Minimum, with: &Minimum) -> bool {
-    let misfits = |minimum: &Minimum| accelerations.misfit(&minimum.model);
-    let (Some(a), Some(b)) = (misfits(without), misfits(with)) else { return false };
-    let (a, b) = (accelerations.split(&a), accelerations.split(&b));
-    let (mut samples, mut gain) = (0.0, 0.0);
-    for ((wave, a), b) in accelerations.waves.iter().zip(a).zip(b) {
-        let bandwidth = wave.measurement.filter.map(|filter| filter.noise_bandwidth_hz(wave.measurement.dt_s));
-        let length_s = wave.time_s(wave.samples.len() - 1) - wave.time_s(0);
-        let most = bandwidth.map_or(f64::INFINITY, |bandwidth| 2.0 * bandwidth * length_s);
-        let independent = |misfit: &[f64]| independent_samples(misfit, wave.size(), most);
-        let [a_size, b_size] = [a, b].map(|misfit| visible_misfit(misfit, wave.size()));
-        // A bad fit is smooth and would make samples few.
-        let comparable = a_size <= COMPARABLE * b_size;
-        let of_wave = if comparable { independent(a).min(independent(b)) } else { independent(b) };
-        samples += of_wave;
-        gain += of_wave * 2.0 * (a_size / b_size).ln();
-    }
-    // One level of noise a wave is a number too.
-    let charge = |minimum: &Minimum| {
-        let numbers = minimum.free.len() + accelerations.waves.len();
-        let enough = samples > (numbers + 1) as f64;
-        if enough { InformationCriteria::new(1.0, samples, numbers).aicc } else { f64::INFINITY }
+    let of = |minimum: &Minimum| {
+        let free: Vec<&str> = minimum.free.iter().map(|parameter| &*parameter.name).collect();
+        Evidence::new(accelerations, &minimum.model, &free)
     };
-    gain > charge(with) - charge(without)
+    let Some((a, b)) = of(without).zip(of(with)) else { return false };
+    let wave = &accelerations.waves[0];
+    let record = ComparedRecord::of(wave, 0.0);
+    let variance = record.variance([&a, &b]);
+    b.score(variance).zip(a.score(variance)).is_some_and(|(with, without)| with < without)
 }
 
 /// Which paths with how many knots.
@@ -305,7 +290,7 @@ fn remark(model: &Model) -> String {
 
 /// What was assumed.
 fn assumed(task: &Task<'_>) -> String {
-    let of_the_test = task.test.coefficient_of_restitution.is_some_and(|e| e > 0.0);
+    let of_the_test = task.test.coefficient_of_restitution.is_some();
     let restitution = if of_the_test { "of the test" } else { "usual in full frontal tests" };
     format!(
         "rate factor {RATE_PRIOR_S_PER_M} s/m is a prior, +- 0.005; unloading stiffness of a path as the window shows \

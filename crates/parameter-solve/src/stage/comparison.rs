@@ -3,9 +3,9 @@
 
 use crumple_lumped::{Model, ModelKind, ParameterKind};
 use crumple_lumped_fit::{
-    Candidate, ComparedCandidate, ComparedRecord, ComparedWave, EnergyClass, Evaluation, FitQuantity, Impact,
-    LeastMisfit, MeasuredTest, Measurement, Observation, ObservedWave, OtherMass, OwnTestErrors, SensorPlace,
-    WallForce, affects_predictions, evaluate, least_without_shift, slow_misfit, without_shift,
+    Candidate, ComparedCandidate, ComparedRecord, EnergyClass, Evaluation, Evidence, FitQuantity, Impact, LeastMisfit,
+    MeasuredTest, Measurement, Observation, ObservedWave, OtherMass, OwnTestErrors, SLOW_HZ, SensorPlace, WallForce,
+    affects_predictions, evaluate,
 };
 use crumple_signal::{Notes, Sampled};
 use crumple_stage::Inputs;
@@ -19,16 +19,6 @@ use crate::stage::settings::StageSettings;
 
 /// Share of the largest force at a knot, spring or damper of a model below which another is none.
 const NO_FORCE: f64 = 1e-3;
-
-/// A misfit beyond so many times the noise before the event is not explained by it wherever its least lies: fits to the
-/// displacement of made records of three masses missed the acceleration by eight times its least at most.
-const NEAR_NOISE: f64 = 10.0;
-/// A misfit of another candidate that is at most so many times the noise says that the record is of some model, so that
-/// a shift of time zero is what fits to the displacement may have followed.
-const SOME_MODEL: f64 = 4.0;
-/// The largest misfit over the noise that is brought to its least then: a shift of 0.35 ms of a pulse of 30 g behind
-/// CFC 60 is 50 times the noise.
-const NEAR_WHERE_SOME_MODEL: f64 = 100.0;
 
 /// Parameters of which the bound is another parameter of the same model, by the side constraints of its paper: `k1 <=
 /// k2`, `c1 >= c2 >= c3`. On it the two are one number, which says something of the vehicle.
@@ -163,14 +153,12 @@ impl Comparison {
 
     /// The records in numbers. Those of several tests are shares of the root mean square of each.
     pub fn record(&self) -> ComparedRecord {
+        let first = &self.tests[0];
+        let of_first = ComparedRecord::of(first.wave(), first.slow_noise());
+        let of_shares = ComparedRecord { rms: 1.0, noise: 0.0, ..of_first };
         ComparedRecord {
-            rms: if self.tests.len() == 1 { self.tests[0].wave().size() } else { 1.0 },
-            waves: self.tests.iter().flat_map(ComparedTest::compared_waves).collect(),
-            noise: match &self.tests[..] {
-                [test] => test.noise(),
-                _ => None,
-            },
             restitution: geometric_mean(self.tests.iter().filter_map(ComparedTest::usual_restitution)),
+            ..if self.tests.len() == 1 { of_first } else { of_shares }
         }
     }
 
@@ -202,37 +190,19 @@ impl Comparison {
 
     /// What the candidates bring, in their order.
     pub fn candidates(&self, assessed: &[&AssessedCandidate<'_>]) -> Vec<ComparedCandidate> {
-        let mut compared: Vec<ComparedCandidate> =
-            assessed.par_iter().map(|candidate| self.candidate(candidate, NEAR_NOISE)).collect();
-        let Some(noise) = self.record().noise else { return compared };
-        let times_noise = |candidate: &ComparedCandidate| {
-            let misfit = candidate.misfit.as_deref()?;
-            Some((misfit.iter().map(|e| e * e).sum::<f64>() / misfit.len() as f64).sqrt() / noise)
-        };
-        let is_some_model = |candidate: &ComparedCandidate| {
-            candidate.physical && times_noise(candidate).is_some_and(|times| times <= SOME_MODEL)
-        };
-        if compared.iter().any(is_some_model) {
-            // The others have been brought to their least.
-            let far = compared.par_iter_mut().zip(assessed);
-            far.filter(|(candidate, _)| times_noise(candidate).is_some_and(|times| times > NEAR_NOISE))
-                .for_each(|(candidate, from)| *candidate = self.candidate(from, NEAR_WHERE_SOME_MODEL));
-        }
-        compared
+        assessed.par_iter().map(|candidate| self.candidate(candidate)).collect()
     }
 
-    fn candidate(&self, assessed: &AssessedCandidate<'_>, near: f64) -> ComparedCandidate {
+    fn candidate(&self, assessed: &AssessedCandidate<'_>) -> ComparedCandidate {
         let AssessedCandidate { candidate, record, evaluations } = assessed;
         let model = &candidate.model;
-        let each: Vec<MisfitInTest> = self.tests.iter().map(|test| test.misfit(assessed, near)).collect();
+        let each: Vec<InTest> = self.tests.iter().map(|test| test.of(assessed)).collect();
         let one = self.tests.len() == 1;
-        let in_units = |of: fn(&MisfitInTest) -> &Option<Vec<f64>>| -> Option<Vec<f64>> {
-            let misfits = self.tests.iter().zip(&each).map(|(test, in_test)| {
-                let unit = if one { 1.0 } else { test.wave().size() };
-                of(in_test).as_ref().map(|misfit| misfit.iter().map(|e| e / unit).collect::<Vec<f64>>())
-            });
-            misfits.collect::<Option<Vec<_>>>().map(|misfits| misfits.concat())
-        };
+        let unit = |test: &ComparedTest| if one { 1.0 } else { test.wave().size() };
+        let misfits = self.tests.iter().zip(&each).map(|(test, in_test)| Some(in_test.misfit? / unit(test)));
+        let misfits: Option<Vec<f64>> = misfits.collect();
+        let evidence = self.tests.iter().zip(&each).map(|(test, in_test)| Some((in_test.evidence.clone()?, unit(test))));
+        let evidence: Option<Vec<_>> = evidence.collect();
         let fits: Option<Vec<f64>> = evaluations.iter().map(|of_test| of_test.fit_as_measured_percent).collect();
         let restitutions: Option<Vec<f64>> = evaluations.iter().map(|of_test| of_test.restitution).collect();
         let of_events: Vec<OwnTestErrors> = evaluations.iter().map(|of_test| of_test.own_test).collect();
@@ -275,15 +245,17 @@ impl Comparison {
             model: record.model.clone(),
             class: EnergyClass::of(model),
             masses: model.masses_kg().len(),
-            parameters: free_numbers(assessed).max(unidentified.len()),
+            parameters: free_numbers(assessed).len().max(unidentified.len()),
             unidentified,
             is_assessed: record.asked().next().is_some(),
             order_of_magnitude: record.parameters_of(Certainty::OrderOfMagnitude).len(),
             affects_other_speeds,
             on_bound: bounds.iter().filter(|name| !is_limit(name) && !is_inside(name)).cloned().collect(),
             physical: record.physical,
-            misfit: in_units(|in_test| &in_test.misfit),
-            slow_misfit: in_units(|in_test| &in_test.slow_misfit),
+            misfit: misfits.map(|each| {
+                (each.iter().map(|misfit| misfit * misfit).sum::<f64>() / each.len() as f64).sqrt()
+            }),
+            evidence: evidence.and_then(Evidence::side_by_side),
             // The worst of several: a model is to follow all.
             fit_percent: fits.and_then(|fits| fits.into_iter().reduce(f64::min)),
             worst_sensor: worst_sensors.min_by(|(_, a), (_, b)| a.total_cmp(b)),
@@ -312,11 +284,10 @@ fn geometric_mean(values: impl Iterator<Item = f64>) -> Option<f64> {
 }
 
 /// What a candidate misses of the accelerations of one test.
-struct MisfitInTest {
-    /// Of the acceleration, at its least where noise might explain it.
-    misfit: Option<Vec<f64>>,
-    /// The part of it that is slower than 60 Hz.
-    slow_misfit: Option<Vec<f64>>,
+struct InTest {
+    /// Root mean square of the misfit.
+    misfit: Option<f64>,
+    evidence: Option<Evidence>,
     /// Parameters that stand on no bound at the least misfit.
     inside: Vec<String>,
 }
@@ -367,61 +338,48 @@ impl ComparedTest {
         self.measured.restitution.filter(|e| *e > 0.0 && !self.measured.rebound_is_cut)
     }
 
-    /// Samples of each acceleration, and how many independent ones its filter lets through.
-    fn compared_waves(&self) -> impl Iterator<Item = ComparedWave> {
-        let (from_s, to_s) = self.window_s();
-        self.acceleration.waves.iter().map(move |wave| {
-            let filter = wave.measurement.filter.as_ref();
-            let most = filter.map(|filter| 2.0 * filter.noise_bandwidth_hz(wave.measurement.dt_s) * (to_s - from_s));
-            ComparedWave { samples: wave.samples.len(), most_independent: most.unwrap_or(f64::INFINITY) }
-        })
+    /// Standard deviation of the noise below 60 Hz: of white noise behind the filter, its share of the band.
+    fn slow_noise(&self) -> f64 {
+        let measurement = &self.wave().measurement;
+        let filter = measurement.filter.as_ref();
+        let band_hz = filter.map_or(0.5 / measurement.dt_s, |filter| filter.noise_bandwidth_hz(measurement.dt_s));
+        self.noise().map_or(0.0, |noise| noise * (SLOW_HZ / band_hz).min(1.0).sqrt())
     }
 
-    /// The misfit of the accelerations, at its least where noise `near` times that before the event might explain it.
-    fn misfit(&self, assessed: &AssessedCandidate<'_>, near: f64) -> MisfitInTest {
+    /// What the record says of a candidate, at the least misfit of the acceleration where that is known.
+    fn of(&self, assessed: &AssessedCandidate<'_>) -> InTest {
         let candidate = assessed.candidate;
         let observed = self.observed_by(candidate);
-        let misfit = observed.misfit(&candidate.model.released()).map(|misfit| without_shift(&observed, &misfit));
-        let least = misfit.as_deref().and_then(|misfit| self.least(assessed, &observed, (misfit, near)));
-        let (misfit, inside) = least.map_or((misfit, Vec::new()), |(least, inside)| (Some(least), inside));
-        MisfitInTest { slow_misfit: misfit.as_ref().map(|misfit| slow_misfit(&observed, misfit)), misfit, inside }
-    }
-
-    /// The least misfit of the acceleration and what stands on no bound there, where it is below this one and the noise
-    /// before the event is not far from that.
-    fn least(
-        &self,
-        AssessedCandidate { candidate, record, .. }: &AssessedCandidate<'_>,
-        observed: &Observation,
-        (misfit, near): (&[f64], f64),
-    ) -> Option<(Vec<f64>, Vec<String>)> {
-        let sum = |misfit: &[f64]| misfit.iter().map(|e| e * e).sum::<f64>();
-        let near = near * self.noise()?;
-        if sum(misfit) > misfit.len() as f64 * near * near {
-            return None;
-        }
-        let bounds = candidate.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
-        let free: Vec<&str> = record.asked().filter(|name| !bounds.iter().any(|bound| bound == name)).collect();
         let model = candidate.model.released();
-        let from = |start: &Model| least_without_shift(observed, start, &free);
-        let own = from(&model).map(|misfit| (misfit, Vec::new()));
+        let sum = |model: &Model| observed.misfit(model).map(|misfit| misfit.iter().map(|e| e * e).sum::<f64>());
+        let own = sum(&model);
         let least = candidate.assessed.as_ref().and_then(|assessed| assessed.assessment.least_misfit.as_ref());
-        let assessed = least.and_then(|LeastMisfit { parameters, inside }| {
+        let least = least.and_then(|LeastMisfit { parameters, inside }| {
             let there = model.changed(parameters.iter().map(|(name, value)| (name.as_str(), *value)))?;
-            Some((from(&there)?, inside.clone()))
+            let lower = sum(&there).filter(|lower| own.is_none_or(|own| *lower < own))?;
+            Some((there, lower, inside.clone()))
         });
-        let lower = own.into_iter().chain(assessed).filter(|(least, _)| sum(least) < sum(misfit));
-        lower.min_by(|(a, _), (b, _)| sum(a).total_cmp(&sum(b)))
+        let bounds = candidate.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
+        let free = free_numbers(assessed);
+        let free: Vec<&str> = free.into_iter().filter(|name| !bounds.iter().any(|bound| bound == name)).collect();
+        let (start, sum, inside) = match least {
+            Some((there, lower, inside)) => (there, Some(lower), inside),
+            None => (model, own, Vec::new()),
+        };
+        let samples = observed.rows() as f64;
+        InTest {
+            misfit: sum.map(|sum| (sum / samples).sqrt()),
+            evidence: Evidence::new(&observed, &start, &free),
+            inside,
+        }
     }
 }
 
 /// Numbers that the record was asked for; of a candidate that nobody assessed all but its masses.
-fn free_numbers(AssessedCandidate { candidate, record, .. }: &AssessedCandidate<'_>) -> usize {
+fn free_numbers<'a>(AssessedCandidate { candidate, record, .. }: &'a AssessedCandidate<'_>) -> Vec<&'a str> {
+    let is_mass = |name: &str| candidate.model.parameter_kind(name) == Some(ParameterKind::Mass);
     match record.asked().count() {
-        0 => {
-            let is_mass = |name: &str| candidate.model.parameter_kind(name) == Some(ParameterKind::Mass);
-            record.parameters.keys().filter(|name| !is_mass(name)).count()
-        }
-        asked => asked,
+        0 => record.parameters.keys().map(String::as_str).filter(|name| !is_mass(name)).collect(),
+        _ => record.asked().collect(),
     }
 }

@@ -105,13 +105,13 @@ fn recommendation_record(
 ) -> RecommendationV1 {
     let id = |choice: &Choice| choice.candidate.map(|k| candidates[k].id.clone());
     let (from_s, to_s) = comparison.window_s();
-    let evidence = selection.samples.map(|effective_samples| RecommendationEvidenceV1 {
+    let evidence = selection.terms.map(|terms| RecommendationEvidenceV1 {
         quantity: comparison.quantity(),
         as_measured: comparison.is_as_measured(),
         from_s,
         to_s,
         samples: comparison.samples() as u64,
-        effective_samples,
+        effective_samples: terms as f64,
     });
     let priors = selection.priors.iter().map(|prior| PriorV1 {
         name: prior.name.to_owned(),
@@ -134,7 +134,6 @@ fn recommendation_record(
         strength: selection.strength.map(|(strength, _)| match strength {
             Strength::Weak => StrengthV1::Weak,
             Strength::Decisive => StrengthV1::Decisive,
-            Strength::Contrary => StrengthV1::Contrary,
         }),
         beside: selection.strength.map(|(_, beside)| candidates[beside].id.clone()),
         decided_by: comparison.channels(),
@@ -160,9 +159,10 @@ fn rated_record(candidate: &ComparedCandidate, rated: &Rated) -> RatedCandidateV
         fit_as_measured_percent: candidate.fit_percent,
         coefficient_of_restitution: candidate.restitution,
         force_misfit_percent: candidate.force_misfit_percent,
-        aicc: rated.aicc,
+        aicc: rated.score,
         aicc_difference: rated.difference,
         priors: rated.terms.iter().map(|(name, term)| PriorTermV1 { name: (*name).to_owned(), term: *term }).collect(),
         difference_with_priors: rated.difference_with_priors,
+        weight: Some(rated.weight),
     }
 }

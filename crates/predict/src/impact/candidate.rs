@@ -30,8 +30,8 @@ pub struct Candidate {
     pub model: Result<Model, LumpedError>,
     /// How well its parameters are known; `None`: nobody says.
     pub spread: Option<ParameterSpread>,
-    /// Criterion with priors above the lowest; `None`: it is not among the adequate.
-    pub difference: Option<f64>,
+    /// What it weighs in a prediction; zero: nothing.
+    pub weight: f64,
 }
 
 impl Candidate {
@@ -207,7 +207,7 @@ mod tests {
             c2_n_s_per_m: 1e3,
         };
         let model = Ok(Model::DoubleSpringMassDamper(model));
-        Candidate { id: "double-spring-mass-damper/direct-fit/1".to_owned(), model, spread: None, difference: None }
+        Candidate { id: "double-spring-mass-damper/direct-fit/1".to_owned(), model, spread: None, weight: 0.0 }
     }
 
     #[test]

@@ -64,6 +64,8 @@ pub(crate) struct Impact<'a> {
     pub partner: &'a PreparedPartner<'a>,
     pub setting: PreparedSetup<'a>,
     pub scenario: Scenario,
+    /// Whether the answer is the mean of all models by their weights, of which this one weighs most.
+    pub leads: bool,
     /// The occupant at the ends of what is not known of its restraint.
     pub occupant_ends: &'a [[Occupant; 2]],
 }
@@ -146,9 +148,13 @@ impl Impact<'_> {
         let of_others = others.iter().map(|(other, own, weight)| (other, (*own, partner_own), *weight));
         let of_partners =
             partner_others.iter().map(|(other, own, weight)| (other, (&self.tested.own, Some(*own)), *weight));
-        let others = of_others.chain(of_partners);
-        let others: Vec<(Outcome, f64)> =
-            others.map(|(other, (own, partner), weight)| (taken.by_record(own, partner).of(other), weight)).collect();
+        let after = |(other, (own, partner), weight): (&Outcome, TestedBy<'_>, f64)| {
+            (taken.by_record(own, partner).of(other), weight)
+        };
+        let of_vehicle: Vec<(Outcome, f64)> = of_others.map(after).collect();
+        let of_partner: Vec<(Outcome, f64)> = of_partners.map(after).collect();
+        let mixed = if self.leads { mean([&of_vehicle, &of_partner], &outcome) } else { outcome };
+        let others = [of_vehicle, of_partner].concat();
         let variances = self.by_parameters(&structure, &outcome);
         let by_speed = self.by_speed(&structure, inputs.speed_m_per_s);
         let by_mass = self.by_mass(mass_kg, inputs.mass_kg);
@@ -163,7 +169,7 @@ impl Impact<'_> {
             crush_uncertainty(tested, (*speed, partner_kg, known), is_beyond[1], &wave, &outcome, Side::Partner)
         });
         let intervals = Quantity::ALL.map(|quantity| {
-            let value = outcome.get(quantity)?;
+            let value = mixed.get(quantity)?;
             let q = quantity as usize;
             let models =
                 others.iter().filter_map(|(other, weight)| Some(weight * (other.get(quantity)? - value).powi(2))).sum();
@@ -201,7 +207,7 @@ impl Impact<'_> {
         let partner_support = partner.map(|(_, _, support)| support);
         Ok(Prediction {
             mass_kg,
-            outcome,
+            outcome: mixed,
             intervals,
             peak_by_record: by_record.peak.map(|_| !is_beyond.contains(&true)),
             rebound_by_record: by_record.restitution.map(|_| !is_beyond.contains(&true)),
@@ -312,6 +318,22 @@ impl Impact<'_> {
         });
         std::array::from_fn(|q| own[q] + partner[q])
     }
+}
+
+/// The tests of a vehicle and of its partner.
+type TestedBy<'a> = (&'a OwnTest<'a>, Option<&'a OwnTest<'a>>);
+
+/// The mean of the models of a vehicle by their weights, and of its partner's, each number of those that have it; where
+/// there are none, the answer of one.
+fn mean(models: [&[(Outcome, f64)]; 2], own: &Outcome) -> Outcome {
+    let shift = |models: &[(Outcome, f64)], q: usize, own: f64| {
+        let having = || models.iter().filter_map(|(outcome, weight)| Some((outcome.0[q]?, *weight)));
+        let sum: f64 = having().map(|(_, weight)| weight).sum();
+        if sum > 0.0 { having().map(|(x, weight)| weight * (x - own)).sum::<f64>() / sum } else { 0.0 }
+    };
+    Outcome(std::array::from_fn(|q| {
+        own.0[q].map(|own| own + models.iter().map(|models| shift(models, q, own)).sum::<f64>())
+    }))
 }
 
 /// Variances along the directions of a candidate. What the record leaves open moves the test itself too, where the

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use crumple_lumped_fit::{EnergyClass, ONE_MASS_RATE_S_PER_M, RATE_PRIOR_S_PER_M};
+use crumple_lumped_fit::{ONE_MASS_RATE_S_PER_M, RATE_PRIOR_S_PER_M};
 
 use crate::error::PredictError;
 use crate::impact::candidate::{Candidate, Partner, Scenario};
@@ -152,42 +152,19 @@ pub(crate) fn by_extrapolation(beyond: f64, slope: f64) -> f64 {
     0.5 * SLOPE_DEVIATION * slope.abs().max(1.0) * share * share
 }
 
-/// Models that count at most.
-const MOST: usize = 5;
-/// Least weight of the best model of each class of adequate models, unless the record is decisive: no test of one speed
-/// tells the classes apart for sure.
-const LEAST_OF_CLASS: f64 = 0.05;
-/// By so much may the independent samples of a misfit be counted too high: a class keeps the weight that it would have
-/// with so many times fewer, if that is less.
-const FEWER_SAMPLES: f64 = 4.0;
+/// Least weight of a model that counts: what it says at most, three times the answer, moves a mean by half a percent.
+const LEAST_WEIGHT: f64 = 2e-3;
 
-/// Places of models and their weights, which sum to 1; none where no model is adequate.
-///
-/// Weights are `exp(-d/2)` of the difference `d` of the criterion with priors (Akaike weights: Burnham & Anderson 2002,
-/// section 2.9), of the five best, and at least 0.05 or `exp(-d/8)` for the best of each class, whichever is less.
+/// Places of the models that a prediction is the mean of, heaviest first, and their weights, which sum to 1; none where
+/// nobody chose.
 pub fn weights(candidates: &[Candidate]) -> Vec<(usize, f64)> {
-    let mut adequate: Vec<(usize, f64)> =
-        candidates.iter().enumerate().filter_map(|(k, candidate)| Some((k, candidate.difference?))).collect();
-    adequate.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
-    let mut best_of_class: BTreeMap<EnergyClass, usize> = BTreeMap::new();
-    for (k, _) in &adequate {
-        best_of_class.entry(candidates[*k].class()).or_insert(*k);
-    }
-    let is_best = |k: usize| best_of_class.values().any(|best| *best == k);
-    let counted = adequate.iter().enumerate().filter(|(place, (k, _))| *place < MOST || is_best(*k));
-    let counted: Vec<(usize, f64)> = counted.map(|(_, (k, difference))| (*k, *difference)).collect();
-    let weight = |difference: f64| (-0.5 * difference).exp();
-    let sum: f64 = counted.iter().map(|(_, difference)| weight(*difference)).sum();
-    let least = |difference: f64| LEAST_OF_CLASS.min((-0.5 * difference / FEWER_SAMPLES).exp());
-    let floored: Vec<(usize, f64)> = counted
-        .into_iter()
-        .map(|(k, difference)| {
-            let weight = weight(difference) / sum;
-            (k, if is_best(k) { weight.max(least(difference)) } else { weight })
-        })
-        .collect();
-    let sum: f64 = floored.iter().map(|(_, weight)| weight).sum();
-    floored.into_iter().map(|(k, weight)| (k, weight / sum)).collect()
+    let all: f64 = candidates.iter().map(|candidate| candidate.weight).sum();
+    let of = |candidate: &Candidate| candidate.weight / all;
+    let mut counted: Vec<(usize, f64)> =
+        candidates.iter().map(of).enumerate().filter(|(_, weight)| *weight >= LEAST_WEIGHT).collect();
+    counted.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    let sum: f64 = counted.iter().map(|(_, weight)| weight).sum();
+    counted.into_iter().map(|(k, weight)| (k, weight / sum)).collect()
 }
 
 /// The partner as every impact needs it.
@@ -253,7 +230,7 @@ impl<'a> PreparedPartner<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crumple_lumped::{Elastoplastic, Kelvin, Model};
+    use crumple_lumped::{Kelvin, Model};
 
     #[test]
     fn an_interval_is_as_wide_as_the_root_of_its_variances() {
@@ -301,39 +278,17 @@ mod tests {
         assert_eq!(by_extrapolation(1.25, 0.0), by_extrapolation(1.25, 1.0));
     }
 
-    fn candidate(is_plastic: bool, difference: Option<f64>) -> Candidate {
-        let (mass_kg, k) = (1.0, 1.0);
-        let model = if is_plastic {
-            let (loading_stiffness_n_per_m, unloading_stiffness_n_per_m) = (k, k);
-            Model::Elastoplastic(Elastoplastic {
-                mass_kg,
-                loading_stiffness_n_per_m,
-                unloading_stiffness_n_per_m,
-                release: true,
-            })
-        } else {
-            Model::Kelvin(Kelvin { mass_kg, stiffness_n_per_m: k, damping_n_s_per_m: 1.0 })
-        };
-        Candidate { id: format!("{}/direct-fit/1", model.kind()), model: Ok(model), spread: None, difference }
-    }
-
     #[test]
-    fn the_best_of_each_class_has_a_say() {
-        let all = [
-            candidate(false, Some(0.0)),
-            candidate(true, Some(20.0)),
-            candidate(false, Some(2.0)),
-            candidate(false, None),
-        ];
-        let shares = weights(&all);
-        assert_eq!(shares.iter().map(|(k, _)| *k).collect::<Vec<_>>(), [0, 2, 1]);
-        // exp(-1) beside 1, and 0.05 of the sum before it was scaled; its own share was exp(-10).
-        assert!((shares[1].1 / shares[0].1 - (-1.0_f64).exp()).abs() < 1e-6, "{shares:?}");
-        assert!((shares[2].1 - 0.05 / 1.05).abs() < 1e-4, "{shares:?}");
-        assert!((shares.iter().map(|(_, w)| w).sum::<f64>() - 1.0).abs() < 1e-12);
-        assert!(weights(&all[3..]).is_empty());
-        // A record that is decisive, exp(-60/8) even with a quarter of the samples, leaves the other class hardly any.
-        let decided = weights(&[candidate(false, Some(0.0)), candidate(true, Some(60.0))]);
-        assert!((decided[1].1 / decided[0].1 - (-7.5_f64).exp()).abs() < 1e-9, "{decided:?}");
+    fn models_count_by_their_weight_and_one_of_a_thousandth_does_not() {
+        let candidate = |weight: f64| Candidate {
+            id: "kelvin/direct-fit/1".to_owned(),
+            model: Ok(Model::Kelvin(Kelvin { mass_kg: 1.0, stiffness_n_per_m: 1.0, damping_n_s_per_m: 1.0 })),
+            spread: None,
+            weight,
+        };
+        let shares = weights(&[0.1, 0.0, 0.3, 1e-4].map(candidate));
+        assert_eq!(shares.iter().map(|(k, _)| *k).collect::<Vec<_>>(), [2, 0]);
+        assert!((shares[0].1 - 0.75).abs() < 1e-12 && (shares[1].1 - 0.25).abs() < 1e-12, "{shares:?}");
+        assert!(weights(&[candidate(0.0)]).is_empty());
     }
 }

@@ -371,7 +371,7 @@ mod tests {
                 correlation: vec![vec![1.0, correlation], vec![correlation, 1.0]],
                 open: Vec::new(),
             }),
-            difference: None,
+            weight: 0.0,
         }
     }
 

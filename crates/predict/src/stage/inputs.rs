@@ -42,9 +42,10 @@ fn crush_deviation_m(events: &EventsV1) -> Option<f64> {
 
 /// All candidates, with what the choice says of them.
 pub fn candidates(records: &[(String, CandidateV1)], choice: Option<&RecommendationV1>) -> Vec<Candidate> {
-    let difference = |id: &str| {
+    let weight = |id: &str| {
         let rated = choice?.candidates.iter().find(|rated| rated.id == id)?;
-        rated.difference_with_priors.filter(|_| rated.adequate)
+        let by_difference = || Some((-0.5 * rated.difference_with_priors.filter(|_| rated.adequate)?).exp());
+        rated.weight.or_else(by_difference)
     };
     records
         .iter()
@@ -57,7 +58,7 @@ pub fn candidates(records: &[(String, CandidateV1)], choice: Option<&Recommendat
                 correlation: known.correlation.clone(),
                 open: record.undetermined().into_iter().map(str::to_owned).collect(),
             }),
-            difference: difference(id),
+            weight: weight(id).unwrap_or(0.0),
         })
         .collect()
 }

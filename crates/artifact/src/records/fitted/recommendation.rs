@@ -116,16 +116,20 @@ pub struct RatedCandidateV1 {
     pub coefficient_of_restitution: Option<f64>,
     /// Misfit of the wall's force, percent of its root mean square, where the record has one.
     pub force_misfit_percent: Option<f64>,
-    /// Akaike criterion as measured, without priors: `N V/s² + 2 p` with a known noise `s`, else corrected for short
-    /// records; `null`: too few independent samples for its parameters.
+    /// Score as measured, without priors: minus twice the logarithm of the density that the model gives the record
+    /// before it is fitted to it. Earlier versions wrote a corrected Akaike criterion.
     pub aicc: Option<f64>,
     /// The same above the lowest of the adequate candidates.
     pub aicc_difference: Option<f64>,
     /// What each prior adds.
     #[serde(default)]
     pub priors: Vec<PriorTermV1>,
-    /// Criterion with all priors above the lowest of the adequate candidates.
+    /// Score with all priors above the lowest of the compared candidates.
     pub difference_with_priors: Option<f64>,
+    /// What it weighs in a prediction, all weights together 1: `exp(-d/2)` of the difference with priors; zero: it is
+    /// not for prediction. `null` in records of earlier versions.
+    #[serde(default)]
+    pub weight: Option<f64>,
 }
 
 /// What a prior adds to the criterion of a candidate.
