@@ -164,7 +164,7 @@ impl ComparedCandidates<'_> {
                 .compared()
                 .filter_map(|k| Some(format!("{}: {}", self.candidates[k].id, self.not_for_prediction(k)?)))
                 .collect();
-            return Self::none(format!("no adequate candidate is for prediction ({})", reasons.join("; ")));
+            return Self::none(format!("no adequate candidate qualifies ({})", reasons.join("; ")));
         };
         let next = for_prediction.iter().copied().filter(|k| *k != best).min_by(|a, b| self.by_total(*a, *b));
         let candidate = &self.candidates[best];

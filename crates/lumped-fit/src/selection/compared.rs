@@ -84,8 +84,6 @@ pub struct ComparedCandidate {
     pub model: String,
     /// What takes the energy.
     pub class: EnergyClass,
-    /// How many masses it has.
-    pub masses: usize,
     /// Free numbers.
     pub parameters: usize,
     /// Whether anybody says how well they are known.
@@ -143,7 +141,8 @@ impl ComparedCandidate {
     }
 }
 
-/// Restitution below which none is told from another: 5 % of 15 m/s are less than the drift of a velocity.
+/// Share of the impact speed below which two velocities are not told apart: 5 % of 15 m/s are less than the drift of a
+/// velocity.
 const LEAST_RESTITUTION: f64 = 0.05;
 
 /// The rules of the choice; every number can be changed.
@@ -163,10 +162,11 @@ pub struct SelectionRules {
     pub time_limit_percent: f64,
     /// Largest difference of the coefficient of restitution.
     pub restitution_limit: f64,
-    /// Misfit of a measured wall force up to which a model is recommended, percent.
+    /// Two standard deviations of a measured wall force about a model, percent: half of the force that one mass misses is
+    /// that of the masses in front, whatever its curve.
     pub force_limit_percent: f64,
-    /// Error of the crush at lower speeds, beside what the record itself shows, up to which a plastic model is taken
-    /// for its criterion, percent.
+    /// Standard deviation of the crush at lower speeds, beside what the record itself shows, percent: a rate effect that
+    /// one speed does not show moves it by as much.
     pub lower_speed_limit_percent: f64,
 }
 
@@ -367,10 +367,12 @@ impl Inadequacy {
         if own.crush.is_none() {
             reasons.push(Self::NeverStops);
         }
+        // Where the velocity creeps to zero the time of crush is hardly defined: it is enough to be as slow by then.
+        let time = own.time.filter(|_| own.velocity.is_none_or(|velocity| velocity.abs() > LEAST_RESTITUTION));
         let events = [
             (TestEvent::Crush, own.crush, 0.01 * rules.crush_limit_percent),
             (TestEvent::Restitution, own.restitution, rules.restitution_limit),
-            (TestEvent::Time, own.time.filter(|_| own.velocity.is_none_or(|v| v.abs() > 0.05)), 0.01 * rules.time_limit_percent),
+            (TestEvent::Time, time, 0.01 * rules.time_limit_percent),
         ];
         reasons.extend(events.into_iter().filter_map(|(event, error, limit)| {
             let error = error.filter(|error| error.abs() > limit)?;

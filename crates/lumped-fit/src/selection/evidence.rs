@@ -195,11 +195,13 @@ mod tests {
         let known = variance(&observed, 0.02);
         // One term after the other: mean and variance given those before it, then the numbers given it as well.
         let count = evidence.sensitivity.ncols();
-        let (mut mean, mut spread) = (DVector::zeros(count), DMatrix::identity(count, count));
+        let (mut mean, mut spread): (DVector<f64>, DMatrix<f64>) =
+            (DVector::zeros(count), DMatrix::identity(count, count));
         let mut sum = 0.0;
         for (term, row) in evidence.terms.iter().zip(evidence.sensitivity.row_iter()) {
-            let of_term = &spread * row.transpose();
-            let (error, variance) = (-term - row.transpose().dot(&mean), known + (row * &of_term)[0]);
+            let row: DVector<f64> = row.transpose();
+            let of_term: DVector<f64> = &spread * &row;
+            let (error, variance) = (-term - row.dot(&mean), known + row.dot(&of_term));
             sum += error * error / variance + (variance / known).ln();
             mean += &of_term * (error / variance);
             spread -= &of_term * of_term.transpose() / variance;

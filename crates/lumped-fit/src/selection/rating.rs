@@ -6,7 +6,7 @@ use crate::selection::compared::{ComparedCandidate, Inadequacy, SelectionRules, 
 use crate::selection::evidence::{Evidence, SLOW_HZ};
 
 /// Share of a record's root mean square that no lumped model of a vehicle describes below 60 Hz, at least.
-static DISC: std::sync::LazyLock<f64> = std::sync::LazyLock::new(|| std::env::var("XDISC").ok().and_then(|v| v.parse().ok()).unwrap_or(0.02));
+const DISCREPANCY: f64 = 0.02;
 
 /// What all candidates are compared with.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,7 +32,7 @@ impl ComparedRecord {
     /// Variance of a term that no model knows better: noise and the discrepancy of the best of them, at least what no
     /// lumped model describes.
     pub fn variance<'a>(&self, evidence: impl IntoIterator<Item = &'a Evidence>) -> f64 {
-        let known = self.noise.powi(2) + (*DISC * self.rms).powi(2);
+        let known = self.noise.powi(2) + (DISCREPANCY * self.rms).powi(2);
         let least = evidence.into_iter().filter_map(Evidence::least_variance).reduce(f64::min);
         least.unwrap_or(0.0).max(known * self.samples_in_a_term)
     }

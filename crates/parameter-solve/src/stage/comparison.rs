@@ -244,7 +244,6 @@ impl Comparison {
             id: candidate.id(),
             model: record.model.clone(),
             class: EnergyClass::of(model),
-            masses: model.masses_kg().len(),
             parameters: free_numbers(assessed).len().max(unidentified.len()),
             unidentified,
             is_assessed: record.asked().next().is_some(),

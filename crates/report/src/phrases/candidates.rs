@@ -12,8 +12,8 @@ texts! { CandidateTexts
     of: "{determined} of {parameters}";
     evidence_against: "Evidence against";
     evidence_definition:
-        "Akaike criterion with what is known beside the record, above the lowest of the adequate models: \
-         below 2 says nothing, above 10 decides.";
+        "Score of what the model foretells of the record, with what is known beside it, above the lowest of the \
+         adequate models: below 2 says nothing, above 10 decides.";
     crush_at: "C at {speed}, mm";
     crush_at_definition:
         "Dynamic crush as predicted at this speed, same mass, same wall; below it the 90 % interval.";
@@ -65,8 +65,9 @@ texts! { CandidateTexts
         "Force on the wall: model less measured, root mean square over that of the measured, from contact to \
          separation, both filtered alike.";
     evidence_caption:
-        "Evidence is the Akaike criterion of the {quantity}{filtered}, over {effective} independent samples \
-         of {samples}; a difference below 2 says nothing, above 10 it decides. ";
+        "Evidence is minus twice the logarithm of the density that a model gives the {quantity}{filtered} before it \
+         is fitted to it, over {effective} terms below 60 Hz of {samples} samples; a difference below 2 says \
+         nothing, above 10 it decides. ";
     filtered_alike: ", the models filtered as the record was";
     no_priors: "none.";
     priors_caption:
