@@ -68,6 +68,8 @@ texts! { IdentificationTexts
         "± one standard deviation, and the 90 % interval, from the bootstrap.";
     integrator: "no mode: near zero";
     beyond_nyquist: "no mode: beyond the sampling";
+    cancelled: "no mode: a zero cancels it";
+    harmonic: "no mode: a machine that runs";
     marginal: "marginal";
     failed_methods: "Not identified";
     compare: "Measured and simulated";

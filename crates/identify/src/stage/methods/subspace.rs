@@ -184,7 +184,8 @@ pub fn identify_order(
     }
     if model.reflected_poles > 0 {
         notes.warning(format!(
-            "{} unstable poles were mirrored into the unit circle so that the model can be simulated",
+            "{} unstable poles were mirrored into the unit circle so that the model can be simulated; arx with \
+             --allow-unstable gives them as they are",
             model.reflected_poles
         ));
     }
