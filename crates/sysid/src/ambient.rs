@@ -160,9 +160,8 @@ pub fn ambient_modes(data: &IoData, options: AmbientOptions) -> Result<AmbientMo
     });
     let mut modes: Vec<AmbientMode> = modes.collect();
     let not_in_both_halves = count - modes.len();
-    let line = |mode: &AmbientMode| {
-        harmonic_line(data, mode.natural_frequency_rad_per_s.median, mode.damping_ratio.median)
-    };
+    let line =
+        |mode: &AmbientMode| harmonic_line(data, mode.natural_frequency_rad_per_s.median, mode.damping_ratio.median);
     let lines: Vec<Option<HarmonicLine>> = modes.iter().map(line).collect();
     let mut is_line = lines.iter().map(Option::is_some);
     modes.retain(|_| !is_line.next().unwrap_or(false));

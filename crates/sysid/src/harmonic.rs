@@ -15,8 +15,8 @@ use crate::IoData;
 /// Kurtosis half way from a sine to noise: the line holds 0.71 of the power of its band.
 const HALF_WAY: f64 = 2.25;
 
-/// Width of the band in lines of the record's spectrum: as many amplitudes are independent, and the kurtosis of noise is
-/// known to `3/sqrt(n)` (first order, of exponential squares of the amplitude).
+/// Width of the band in lines of the record's spectrum: as many amplitudes are independent, and the kurtosis of noise
+/// is known to `3/sqrt(n)` (first order, of exponential squares of the amplitude).
 const LINES: f64 = 32.0;
 
 /// The band ends within this share of the frequency on either side.
@@ -39,8 +39,9 @@ pub struct HarmonicLine {
 /// The line, where a mode of outputs without an input, of this frequency (rad/s) and damping ratio, is one: its damping
 /// is zero within two deviations, and its band is nearer to a sine than to noise.
 ///
-/// The deviation of a damping ratio is `sqrt(zeta/(w T))`: that of the radius of the poles of an autoregression of order
-/// two, `var(a2) = (1 - a2²)/N` (Box & Jenkins, *Time Series Analysis*, 1970, ch. 7), for `a2 = exp(-2 zeta w dt)`.
+/// The deviation of a damping ratio is `sqrt(zeta/(w T))`: that of the radius of the poles of an autoregression of
+/// order two, `var(a2) = (1 - a2²)/N` (Box & Jenkins, *Time Series Analysis*, 1970, ch. 7), for `a2 = exp(-2 zeta w
+/// dt)`.
 pub fn harmonic_line(data: &IoData, frequency_rad_per_s: f64, damping_ratio: f64) -> Option<HarmonicLine> {
     let duration_s = data.samples() as f64 * data.sample_time_s();
     if damping_ratio > 4.0 / (frequency_rad_per_s * duration_s) {

@@ -72,8 +72,8 @@ impl PolynomialForm {
         Ok(PolynomialDeviations { coefficients, covariance })
     }
 
-    /// Square of the distance from the pole nearest to `near` to the zero nearest to that pole, in deviations of the two
-    /// to first order: chi-square with two degrees of freedom where both lie in one place. `None`: no zero, or a
+    /// Square of the distance from the pole nearest to `near` to the zero nearest to that pole, in deviations of the
+    /// two to first order: chi-square with two degrees of freedom where both lie in one place. `None`: no zero, or a
     /// multiple root.
     pub(crate) fn distance_of_zero(&self, of: &PolynomialDeviations, near: Complex) -> Option<f64> {
         let nearest = |polynomial: &[f64], to: Complex| {

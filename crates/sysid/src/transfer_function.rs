@@ -77,7 +77,8 @@ impl TransferFunctionFit {
             return None;
         }
         let deviations = &self.numerator_deviations[0][0];
-        let is_zero = |k: &usize| numerator[numerator.len() - 1 - k].abs() <= 1.96 * deviations[deviations.len() - 1 - k];
+        let last = (numerator.len() - 1, deviations.len() - 1);
+        let is_zero = |k: &usize| numerator[last.0 - k].abs() <= 1.96 * deviations[last.1 - k];
         if !(0..numerator.len()).filter(|k| *k != derivative).all(|k| is_zero(&k)) {
             return None;
         }

@@ -10,8 +10,8 @@ use crumple_stage::records::{
 };
 use crumple_stage::{Output, Refused};
 use crumple_sysid::{
-    AmbientModes, AmbientOptions, Constants, HarmonicLine, IdentifyError, IoData, NoiseKind, Order, Stability, StabilizationOptions,
-    Trend, ambient_modes, delay_scan, is_staircase, outliers, trend,
+    AmbientModes, AmbientOptions, Constants, HarmonicLine, IdentifyError, IoData, NoiseKind, Order, Stability,
+    StabilizationOptions, Trend, ambient_modes, delay_scan, is_staircase, outliers, trend,
 };
 use rayon::prelude::*;
 
@@ -301,8 +301,9 @@ pub fn put_ambient(source: Source<'_>, out: &mut Output) -> anyhow::Result<Optio
     }
     for HarmonicLine { frequency_rad_per_s, damping_ratio, kurtosis } in &found.harmonics {
         let text = format!(
-            "ambient: {:.3} Hz is a harmonic line, a machine that runs, and no mode: its damping of {damping_ratio:.1e} is zero \
-             within its error, and the kurtosis of its band is {kurtosis:.2} (a sine has 1.5, a mode in noise 3)",
+            "ambient: {:.3} Hz is a harmonic line, a machine that runs, and no mode: its damping of \
+             {damping_ratio:.1e} is zero within its error, and the kurtosis of its band is {kurtosis:.2} (a sine has \
+             1.5, a mode in noise 3)",
             frequency_rad_per_s / TAU
         );
         let note = Note::warning(text).bears_on(About::IdentifiedModels, Weight::Slight);

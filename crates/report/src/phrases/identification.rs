@@ -148,8 +148,8 @@ texts! { IdentificationTexts
     magnitude: "magnitude, dB";
     phase: "phase, °";
     bode_caption:
-        "From {input} to {output}{units}. Phase is unwrapped; natural frequencies of oscillating poles of the closest \
-         model are marked.";
+        "From {input} to {output}{units}. Phase is unwrapped; natural frequencies of oscillating poles of the \
+         recommended, else the closest model are marked.";
     si_units: ", SI units";
     the_input: "the input";
     the_output: "the output";

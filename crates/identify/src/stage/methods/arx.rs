@@ -49,8 +49,8 @@ fn identify_structure(order: ArxOrder, data: &IoData) -> Result<DiscreteModel, I
     Ok(DiscreteModel { deviations: (q == 1).then_some(deviations), ..discrete })
 }
 
-/// Coefficients of the equation of one output, `y[k] + a_1 y[k-1] + ... = b_nk u[k-nk] + ...`: `a_<lag>`, `b_<lag>`, with
-/// the number of the signal behind the letter where there are several, `a2_1`.
+/// Coefficients of the equation of one output, `y[k] + a_1 y[k-1] + ... = b_nk u[k-nk] + ...`: `a_<lag>`, `b_<lag>`,
+/// with the number of the signal behind the letter where there are several, `a2_1`.
 fn coefficients(model: &Arx, output: usize) -> NamedNumbers {
     let (mut names, mut values) = (Vec::new(), Vec::new());
     for (letter, first, matrices) in [("a", 1, &model.a), ("b", model.order.nk, &model.b)] {

@@ -4,7 +4,8 @@ use crumple_numerics::lti::Complex;
 use crumple_signal::{About, Notes, TestDescription, Weight};
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
 use crumple_sysid::{
-    AmbientModes, IdentifyError, IoData, MissReason, Order, OutputErrorOptions, Stop, Weighting, fit_measures, output_error, weak_fit,
+    AmbientModes, IdentifyError, IoData, MissReason, Order, OutputErrorOptions, Stop, Weighting, fit_measures,
+    output_error, weak_fit,
 };
 
 use crate::stage::methods::okid::okid;
@@ -173,9 +174,14 @@ pub fn run(method: Method, source: Source<'_>, results: &mut Results<'_>) -> any
     for order in &source.settings.orders {
         let (order, choice) = match order.0 {
             Order::Given(n) => (n, None),
-            Order::Automatic => {
-                choose_order(method, weighting, source.settings.max_order, &all.data, input_output, results.out)
-            }
+            Order::Automatic => choose_order(
+                method,
+                weighting,
+                source.settings.max_order,
+                (&all.data, &all.whole),
+                input_output,
+                results.out,
+            ),
         };
         match orders.iter_mut().find(|(other, _)| *other == order) {
             Some((_, known)) => *known = known.take().or(choice),
@@ -206,8 +212,8 @@ pub fn run(method: Method, source: Source<'_>, results: &mut Results<'_>) -> any
     all.put_all(&requests, results)
 }
 
-/// The lines of an ambient record, and two states for each of its modes and lines where the order is left to the record:
-/// there the simulation from the first sample on says nothing about it. A record that such a model simulates is a free
+/// The lines of an ambient record, and two states for each mode and line where the order is left to the record: there
+/// the simulation from the first sample on says nothing about it. A record that such a model simulates is a free
 /// motion, and is left alone.
 pub fn take_from_ambient(
     settings: &mut Settings,
@@ -238,9 +244,8 @@ pub fn take_from_ambient(
         return;
     }
     let lines = if lines > 0 { format!(" and {lines} harmonic lines") } else { String::new() };
-    out.notes().info(format!(
-        "order auto is {order}: two states for each of the {modes} modes{lines} over orders and halves"
-    ));
+    out.notes()
+        .info(format!("order auto is {order}: two states for each of the {modes} modes{lines} over orders and halves"));
     for known in settings.orders.iter_mut().filter(|known| **known == automatic) {
         *known = OrderOption(Order::Given(order));
     }
@@ -251,7 +256,7 @@ fn choose_order(
     method: Method,
     weighting: Option<Weighting>,
     max_order: usize,
-    data: &IoData,
+    data: (&IoData, &IoData),
     input_output: &InputOutputSettings,
     out: &mut Output,
 ) -> (usize, Option<Choice>) {

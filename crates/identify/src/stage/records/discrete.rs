@@ -4,8 +4,8 @@ use crumple_numerics::lti::{Complex, InputHold, LtiError, Mode, StateSpace, to_c
 use crumple_signal::{Note, Notes};
 use crumple_stage::records::{EvidenceV1, ShapesV1};
 use crumple_sysid::{
-    Cancelled, IdentifyError, IoData, MissReason, PoleKind, cancelled_poles, fit_measures, mode_shapes, simulate_fitted,
-    weak_fit,
+    Cancelled, IdentifyError, IoData, MissReason, PoleKind, cancelled_poles, fit_measures, mode_shapes,
+    simulate_fitted, weak_fit,
 };
 
 use crate::stage::options::choices::{Hold, Method};
@@ -108,8 +108,8 @@ pub fn simulate_accepted(
             if allow_unstable && !model.predicted.is_empty() =>
         {
             model.notes.warning(format!(
-                "the model grows by a factor {factor:.4} per sample and cannot be simulated: its poles and its one-step \
-                 prediction can be used, its output cannot"
+                "the model grows by a factor {factor:.4} per sample and cannot be simulated: its poles and its \
+                 one-step prediction can be used, its output cannot"
             ));
             Ok((Vec::new(), model))
         }
@@ -355,8 +355,8 @@ fn modes(task: &DiscreteTask<'_>, model: &StateSpace) -> anyhow::Result<(Vec<Com
     Ok((discrete, poles, shapes))
 }
 
-/// Takes poles that zeros cancel out of the modes of a model, and says it. From an acceleration to a displacement, where
-/// a double integrator is true whatever the modes, none is looked for.
+/// Takes poles that zeros cancel out of the modes of a model, and says it. From an acceleration to a displacement,
+/// where a double integrator is true whatever the modes, none is looked for.
 pub fn take_out_cancelled(
     (id, record): (&str, &Record),
     data: &IoData,

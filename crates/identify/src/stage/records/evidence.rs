@@ -345,8 +345,7 @@ impl NamedNumbers {
             product => (covariance[(i, k)] / product).clamp(-1.0, 1.0),
         };
         let count = if values.len() > MOST_CORRELATED { 0 } else { values.len() };
-        evidence.parameter_correlations =
-            (0..count).map(|i| (0..count).map(|k| correlation(i, k)).collect()).collect();
+        evidence.parameter_correlations = (0..count).map(|i| (0..count).map(|k| correlation(i, k)).collect()).collect();
         (evidence.parameter_names, evidence.parameter_values) = (names, values);
         evidence.parameter_deviations = deviations;
     }

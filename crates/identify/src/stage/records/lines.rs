@@ -243,7 +243,10 @@ impl ModelFacts<'_> {
         let EvidenceV1 { parameter_names: names, parameter_values: values, parameter_deviations: deviations, .. } =
             evidence;
         if names.len() > MOST_COEFFICIENTS {
-            return vec![("A(q), B(q)", format!("{} coefficients in the artifact: /evidence/{}", names.len(), self.id))];
+            return vec![(
+                "A(q), B(q)",
+                format!("{} coefficients in the artifact: /evidence/{}", names.len(), self.id),
+            )];
         }
         let term = |lag: usize, place: usize| {
             let number = measured(values[place], None, deviations.get(place).copied(), 1.0).0;
@@ -318,9 +321,8 @@ impl ModelFacts<'_> {
         let modes = self.modes.modes.iter().map(|mode| (mode.discrete_re, mode.discrete_im));
         let others = self.modes.other_poles.iter().map(|pole| (pole.discrete_re, pole.discrete_im));
         let upper = modes.chain(others).filter_map(|(re, im)| re.zip(im)).filter(|(_, im)| *im >= 0.0);
-        let all: Vec<String> = upper
-            .map(|(re, im)| if im == 0.0 { format!("{re:.4}") } else { format!("{re:.4} ± {im:.4}i") })
-            .collect();
+        let all: Vec<String> =
+            upper.map(|(re, im)| if im == 0.0 { format!("{re:.4}") } else { format!("{re:.4} ± {im:.4}i") }).collect();
         (!all.is_empty()).then(|| named(all))
     }
 

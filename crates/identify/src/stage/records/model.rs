@@ -9,7 +9,8 @@ use crumple_stage::records::{
     EvidenceV1, ExponentialSumV1, ExponentialTermV1, IdentificationV1, ShapesV1, StateSpaceV1, TransferFunctionV1,
 };
 use crumple_sysid::{
-    Bootstrap, IdentifyError, IoData, NoiseModel, Sample, continued, fit_measures, line_loss, simulate_fitted, weak_fit,
+    Bootstrap, IdentifyError, IoData, NoiseModel, Sample, continued, fit_measures, line_loss, simulate_fitted,
+    unseen_squares, weak_fit,
 };
 use nalgebra::DMatrix;
 
@@ -20,6 +21,9 @@ use crate::stage::records::lines;
 use crate::stage::records::responses::{Band, IntervalTask, ModelResponses, note_limits, zeros_of};
 use crate::stage::records::results::Results;
 use crate::stage::waves::{Record, WindowedWave};
+
+/// Share of an amplitude below which no loss is said: calibrations of sensors leave as much open (ISO 16063-21).
+const LEAST_LOSS: f64 = 0.005;
 
 /// What a reader of the model of an impulse response must know of its input.
 pub const IMPULSE: &str = "unit impulse (the record taken as Markov parameters)";
@@ -150,7 +154,7 @@ impl FittedModel<'_> {
         if ambient {
             without_simulation(&mut identification, &mut evidence);
         }
-        let contradiction = results.enter(self.id, &identification, &mut evidence)?;
+        let contradiction = results.enter(self.id, &identification, &mut evidence, self.unseen_squares())?;
         let own = std::mem::take(&mut self.notes);
         let notes: Vec<Note> = contradiction.into_iter().chain(own.iter().cloned()).collect();
         identification.notes = notes.iter().map(Note::to_string).collect();
@@ -187,7 +191,8 @@ impl FittedModel<'_> {
             Some((evidence.loss? / (evidence.effective_samples? * square)).sqrt())
         };
         let open = evidence.iter().zip(self.outputs).filter_map(|(e, wave)| left_open((e, wave)));
-        let Some(open) = open.reduce(f64::min).filter(|open| loss.share > *open) else { return false };
+        let open = open.reduce(f64::min).map(|open| open.max(LEAST_LOSS));
+        let Some(open) = open.filter(|open| loss.share > *open) else { return false };
         let fitted = self.forms.paths.iter().filter(|_| self.forms.is_transfer_function);
         for (output_evidence, paths) in evidence.iter_mut().zip(fitted) {
             add_to_gains(output_evidence, paths, loss.share);
@@ -197,14 +202,13 @@ impl FittedModel<'_> {
         let enough = (PI / (3.0 * open).sqrt()).ceil();
         self.notes.warning(format!(
             "{}: straight lines between the samples of {} lose {:.1} % of its amplitude ({:.1} samples a period at \
-             {} Hz), and gains are too high by as much; the record itself leaves {:.2} % open. Deviations of gains \
-             hold it, those of poles do not: sample {enough:.0} times a period",
+             {} Hz), and gains are too high by as much. Deviations of gains hold it, those of poles do not: sample \
+             {enough:.0} times a period",
             self.id,
             input.id,
             100.0 * loss.share,
             loss.cycles_per_sample.recip(),
             lines::digits(loss.cycles_per_sample / dt_s),
-            100.0 * open
         ));
         true
     }
@@ -321,6 +325,13 @@ impl FittedModel<'_> {
             out.wave(&format!("{}/simulated{place}", self.id), wave.quantity, sampled)?;
         }
         Ok(())
+    }
+
+    /// Squares of its errors on the kept samples, by which models are compared.
+    fn unseen_squares(&self) -> Vec<f64> {
+        let kept: Vec<Vec<f64>> = self.outputs.iter().map(|wave| wave.kept.clone()).collect();
+        let unseen = self.simulated.unseen();
+        if unseen.len() == kept.len() { unseen_squares(&kept, unseen) } else { Vec::new() }
     }
 
     /// Fits of the kept samples, run on and with the start fitted.
