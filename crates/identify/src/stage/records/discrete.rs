@@ -376,8 +376,8 @@ pub fn take_out_cancelled(
     let names: Vec<String> = upper.map(|place| format!("{} Hz", lines::digits(poles.natural_hz(*place)))).collect();
     let (count, rest) = (places.len(), sampled.len() - places.len());
     notes.warning(format!(
-        "{id}: zeros cancel the poles at {}: they are no modes. A model of {rest} poles, {count} fewer, fits as well \
-         ({without_percent:.2} % against {fit_percent:.2} %)",
+        "{id}: zeros cancel the poles at {}: they are no modes. A model of {rest} poles, {count} fewer, is as good \
+         by BIC (fit {without_percent:.2} % against {fit_percent:.2} %)",
         names.join(", ")
     ));
 }

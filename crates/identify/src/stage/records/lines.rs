@@ -412,7 +412,7 @@ impl ModelFacts<'_> {
         let use_it = if is_unstable {
             "unstable: it describes this window alone"
         } else if modes.other_poles.iter().any(|pole| pole.kind == OtherPoleKindV1::Cancelled) {
-            "its order is too high: zeros cancel poles"
+            "zeros cancel poles: use its output, or fewer poles"
         } else if modes.modes.is_empty() {
             "no pole is a mode: use its output, not its poles"
         } else if !has_known_mode {
