@@ -84,6 +84,8 @@ pub use validation::input_hold::{LineLoss, is_staircase, line_loss};
 pub use validation::model_choice::{
     DelayScan, OnUnseen, Recommendable, arx_orders, delay_scan, noise_of_orders, recommended, smallest,
 };
-pub use validation::model_selection::{Contender, Ranked, Selection, left_by_unseen, select, unseen_squares};
+pub use validation::model_selection::{
+    Contender, Ranked, Selection, best_of_many, left_by_unseen, select, unseen_squares,
+};
 pub use validation::noise_model::{NoiseKind, NoiseModel, NoiseOptions, Whiteness, noise_model};
 pub use validation::record_checks::{Constants, Trend, is_constant, outliers, straight_line, trend};

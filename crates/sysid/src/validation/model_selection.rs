@@ -41,12 +41,13 @@ pub fn unseen_squares(measured: &[Vec<f64>], simulated: &[Vec<f64>]) -> Vec<f64>
 }
 
 /// Models that unseen samples leave in the comparison: all without such samples, else those whose mean square error on
-/// them is larger than the smallest by at most one standard error of the difference.
+/// them is larger than the smallest by so many standard errors of the difference at most.
 ///
-/// The rule of one standard error of Breiman, Friedman, Olshen & Stone, *Classification and Regression Trees*, 1984,
-/// ch. 3.4.3, on the difference of two models at the same samples (Diebold & Mariano, J. Business & Economic Statistics
-/// 13, 1995), whose independent samples its autocorrelation counts.
-pub fn left_by_unseen(contenders: &[Contender]) -> Vec<&Contender> {
+/// One is the rule of Breiman, Friedman, Olshen & Stone, *Classification and Regression Trees*, 1984, ch. 3.4.3, for a
+/// few models. The best of many is best by chance ([`best_of_many`]). The error is that of the difference of two models
+/// at the same samples (Diebold & Mariano, J. Business & Economic Statistics 13, 1995), whose independent samples its
+/// autocorrelation counts.
+pub fn left_by_unseen(contenders: &[Contender], standard_errors: f64) -> Vec<&Contender> {
     let mean = |squares: &[f64]| squares.iter().sum::<f64>() / squares.len() as f64;
     let judged = contenders.iter().filter(|contender| !contender.unseen_squares.is_empty());
     let Some(best) = judged.min_by(|a, b| mean(&a.unseen_squares).total_cmp(&mean(&b.unseen_squares))) else {
@@ -59,12 +60,19 @@ pub fn left_by_unseen(contenders: &[Contender]) -> Vec<&Contender> {
         let about: Vec<f64> = differences.iter().map(|d| d - more).collect();
         let independent = autoregressive_effective_samples(&about).max(1.0);
         let error = standard_deviation(&about).unwrap_or(0.0) / independent.sqrt();
-        !differences.is_empty() && more <= error
+        !differences.is_empty() && more <= standard_errors * error
     };
     let excluded = contenders.iter().filter(|c| !c.unseen_squares.is_empty() && !is_as_good(c));
     // None stays that is worse than one that goes.
     let bound = excluded.map(|contender| mean(&contender.unseen_squares)).fold(f64::INFINITY, f64::min);
     contenders.iter().filter(|c| is_as_good(c) && mean(&c.unseen_squares) <= bound).collect()
+}
+
+/// Standard errors by which the best of so many models is best by chance, at 95 % (Bonferroni, with the bound
+/// `exp(-z²/2)/2` of the tail of a normal distribution): a model confidence set (Hansen, Lunde & Nason, Econometrica
+/// 79, 2011).
+pub fn best_of_many(models: usize) -> f64 {
+    (2.0 * (10.0 * models as f64).ln()).sqrt()
 }
 
 /// A contender and how far it is behind.
@@ -165,12 +173,12 @@ mod tests {
             (0..400).map(|k| mean + swing * if k % 4 < 2 { 1.0 } else { -1.0 }).collect()
         };
         let all = [with("best", wave(1.0, 0.0)), with("as-good", wave(1.01, 0.5)), with("worse", wave(1.2, 0.1))];
-        let left: Vec<&str> = left_by_unseen(&all).into_iter().map(|contender| contender.id.as_str()).collect();
+        let left: Vec<&str> = left_by_unseen(&all, 1.0).into_iter().map(|contender| contender.id.as_str()).collect();
         assert_eq!(left, ["best", "as-good"]);
         // One without unseen samples is not compared with those that have some; without any all stay.
         let mixed = [with("best", wave(1.0, 0.0)), contender("blind", 3, 1.0)];
-        assert_eq!(left_by_unseen(&mixed).len(), 1);
-        assert_eq!(left_by_unseen(&mixed[1..]).len(), 1);
+        assert_eq!(left_by_unseen(&mixed, 1.0).len(), 1);
+        assert_eq!(left_by_unseen(&mixed[1..], 1.0).len(), 1);
         let squares = unseen_squares(&[vec![1.0, -1.0, 1.0, -1.0]], &[vec![0.0, 0.0, 1.0, -1.0]]);
         assert!(squares[2..] == [0.0, 0.0] && squares[0] == squares[1] && squares[0] > 0.7, "{squares:?}");
     }

@@ -4,8 +4,8 @@ use crumple_signal::Notes;
 use crumple_stage::Output;
 use crumple_sysid::{
     Contender, Horizons, IdentifyError, IoData, Subspace, SubspaceModel, SubspaceOptions, Weighting,
-    automatic_thinning, autoregressive_effective_samples, horizons, left_by_unseen, select, simulate_fitted,
-    subspace_order_scan, thinned, unseen_squares,
+    automatic_thinning, autoregressive_effective_samples, best_of_many, horizons, left_by_unseen, select,
+    simulate_fitted, subspace_order_scan, thinned, unseen_squares,
 };
 use rayon::prelude::*;
 
@@ -270,7 +270,7 @@ const ROUNDING: f64 = 1e-10;
 /// The order from 1 to `highest` whose model has the smallest BIC of its simulation; `None` where no order has a model.
 ///
 /// The models come from one factorisation, of the record or, if `thin`, of every n-th sample of it; all are simulated
-/// on the record. Samples that the whole has beyond it are unseen, and orders that follow them worse than others are
+/// on the record. Samples that the whole has beyond it are unseen, and orders that follow them worse than by chance are
 /// left out ([`left_by_unseen`]). Criteria count the effective samples of the model with the smallest loss; of several
 /// outputs the losses are multiplied. BIC asks for more than AICc where records are long, and finds the true order of
 /// many samples.
@@ -284,7 +284,7 @@ pub fn automatic_order(
     let unseen = whole.slice(data.samples(), whole.samples()).ok();
     let all: Vec<Contender> =
         orders.par_iter().filter_map(|order| contender(subspace, thin, (data, unseen.as_ref()), *order).ok()).collect();
-    let left: Vec<Contender> = left_by_unseen(&all).into_iter().cloned().collect();
+    let left: Vec<Contender> = left_by_unseen(&all, best_of_many(all.len())).into_iter().cloned().collect();
     match select(&left) {
         Some(selection) => left.iter().find(|c| c.id == selection.best_by_bic).map(|c| c.order),
         None => left.first().map(|c| c.order),

@@ -96,10 +96,13 @@ impl<'a> Results<'a> {
 #[derive(Default)]
 pub struct Comparison(BTreeMap<(String, u64), Vec<Contender>>);
 
+/// Standard errors of the difference by which a model may follow unseen samples worse than the best.
+const ONE_ERROR: f64 = 1.0;
+
 /// The id of the model to use, and of the one with the smallest BIC where that was passed over: among those that unseen
 /// samples leave, where there are any.
 fn best_of(selection: &Selection, contenders: &[Contender]) -> Option<(String, Option<String>)> {
-    let left = left_by_unseen(contenders);
+    let left = left_by_unseen(contenders, ONE_ERROR);
     let model = |Ranked { contender, bic_difference, .. }: &Ranked| Recommendable {
         id: contender.id.clone(),
         order: contender.order,
