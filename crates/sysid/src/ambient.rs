@@ -13,6 +13,7 @@ use crumple_numerics::lti::{Complex, Mode, eigenvalues, eigenvectors};
 use nalgebra::{DMatrix, SymmetricEigen};
 use rayon::prelude::*;
 
+use crate::harmonic::{HarmonicLine, harmonic_line};
 use crate::modes::{modal_assurance, normalized, phase_collinearity};
 use crate::order::Quartiles;
 use crate::{IdentifyError, IoData};
@@ -103,6 +104,8 @@ pub struct AmbientPole {
 pub struct AmbientModes {
     /// By frequency.
     pub modes: Vec<AmbientMode>,
+    /// Lines of machines that run, which are no modes, by frequency.
+    pub harmonics: Vec<HarmonicLine>,
     /// Clusters of the whole record that not both halves show.
     pub not_in_both_halves: usize,
     /// Orders, rising.
@@ -155,9 +158,16 @@ pub fn ambient_modes(data: &IoData, options: AmbientOptions) -> Result<AmbientMo
         let natural_frequency_rad_per_s = frequency;
         Some(AmbientMode { orders, natural_frequency_rad_per_s, damping_ratio: damping, shape, halves_rad_per_s })
     });
-    let modes: Vec<AmbientMode> = modes.collect();
+    let mut modes: Vec<AmbientMode> = modes.collect();
+    let not_in_both_halves = count - modes.len();
+    let line =
+        |mode: &AmbientMode| harmonic_line(data, mode.natural_frequency_rad_per_s.median, mode.damping_ratio.median);
+    let lines: Vec<Option<HarmonicLine>> = modes.iter().map(line).collect();
+    let mut is_line = lines.iter().map(Option::is_some);
+    modes.retain(|_| !is_line.next().unwrap_or(false));
+    let harmonics = lines.into_iter().flatten().collect();
     let orders = orders_of(q, horizons.iter().copied().max().unwrap_or(first), options).collect();
-    Ok(AmbientModes { not_in_both_halves: count - modes.len(), modes, orders, poles, block_rows: horizons })
+    Ok(AmbientModes { not_in_both_halves, modes, harmonics, orders, poles, block_rows: horizons })
 }
 
 /// About half a period of the lowest mode, which is looked for over the longest horizon: too short loses it, too long

@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use crumple_numerics::linalg::{dot, real_transform};
-use crumple_numerics::lti::StateSpace;
+use crumple_numerics::lti::{Complex, StateSpace};
 use nalgebra::DMatrix;
 
 use crate::{EraError, IdentifyError};
@@ -37,17 +37,9 @@ const HALF_LENGTH: usize = 3;
 /// window) reaches 1 % of the largest. Noise that broad is not told from a signal: a white one keeps every sample.
 pub fn automatic_thinning(data: &IoData, needed: usize) -> usize {
     let samples = data.samples();
-    let transform = real_transform(samples).forward;
     let mut highest = 0;
     for signal in data.inputs().iter().chain(data.outputs()) {
-        let mut windowed = detrended(signal);
-        for (k, x) in windowed.iter_mut().enumerate() {
-            *x *= 0.5 - 0.5 * (2.0 * PI * (k as f64 + 0.5) / samples as f64).cos();
-        }
-        let mut spectrum = transform.make_output_vec();
-        if transform.process(&mut windowed, &mut spectrum).is_err() {
-            return 1;
-        }
+        let Some(spectrum) = spectrum(detrended(signal)) else { return 1 };
         let largest = spectrum.iter().map(|x| x.norm()).fold(0.0, f64::max);
         if let Some(last) = spectrum.iter().rposition(|x| x.norm() > LEVEL * largest) {
             highest = highest.max(last);
@@ -57,6 +49,21 @@ pub fn automatic_thinning(data: &IoData, needed: usize) -> usize {
     let by_band = samples as f64 / (SAMPLES_PER_PERIOD * highest.max(1) as f64);
     let by_length = samples as f64 / (needed + 2 * HALF_LENGTH) as f64;
     (by_band.min(by_length).floor() as usize).max(1)
+}
+
+/// Spectrum of a signal in a Hann window; line `k` is `k` cycles over the record. `None` of no samples.
+pub(crate) fn spectrum(mut signal: Vec<f64>) -> Option<Vec<Complex>> {
+    let samples = signal.len();
+    if samples == 0 {
+        return None;
+    }
+    for (k, x) in signal.iter_mut().enumerate() {
+        *x *= 0.5 - 0.5 * (2.0 * PI * (k as f64 + 0.5) / samples as f64).cos();
+    }
+    let transform = real_transform(samples).forward;
+    let mut spectrum = transform.make_output_vec();
+    transform.process(&mut signal, &mut spectrum).ok()?;
+    Some(spectrum)
 }
 
 fn detrended(signal: &[f64]) -> Vec<f64> {

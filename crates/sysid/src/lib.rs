@@ -29,6 +29,7 @@ mod era;
 mod error;
 mod exponentials;
 mod hankel;
+mod harmonic;
 mod modes;
 mod okid;
 mod order;
@@ -54,6 +55,7 @@ pub use error::{EraError, IdentifyError, MissReason};
 pub use exponentials::{ExponentialOptions, ExponentialSumFit, ExponentialTerm, exponential_sum};
 pub use hankel::singular_value_gap::GapOrder;
 pub use hankel::svd::Decomposition;
+pub use harmonic::{HarmonicLine, harmonic_line};
 pub use modes::{
     IdentifiedMode, PoleKind, PoleRecord, modal_assurance, mode_shapes, phase_collinearity, pole_kinds,
     response_deviations,
@@ -76,10 +78,14 @@ pub use transfer_function::{TransferFunctionFit, transfer_function_fit};
 pub use validation::bootstrap::{
     BandPoint, Bootstrap, BootstrapOptions, NoSpread, RecordLength, Sample, Spread, bootstrap,
 };
+pub use validation::cancellation::{Cancelled, cancelled_poles};
 pub use validation::caveats::{FilterEdge, caveats, pole_notes, weak_fit};
+pub use validation::input_hold::{LineLoss, is_staircase, line_loss};
 pub use validation::model_choice::{
     DelayScan, OnUnseen, Recommendable, arx_orders, delay_scan, noise_of_orders, recommended, smallest,
 };
-pub use validation::model_selection::{Contender, Ranked, Selection, select};
+pub use validation::model_selection::{
+    Contender, Ranked, Selection, best_of_many, left_by_unseen, select, unseen_squares,
+};
 pub use validation::noise_model::{NoiseKind, NoiseModel, NoiseOptions, Whiteness, noise_model};
 pub use validation::record_checks::{Constants, Trend, is_constant, outliers, straight_line, trend};

@@ -148,7 +148,7 @@ pub(crate) fn root_deviations(
 
 /// `dz/dp_j = -z^(n-j)/P'(z)` for `j = 0 ..= n`, the coefficients highest power first; `None` where the derivative
 /// `P'` vanishes to ten digits, at a multiple root.
-fn root_gradient(polynomial: &[f64], z: Complex) -> Option<Vec<Complex>> {
+pub(crate) fn root_gradient(polynomial: &[f64], z: Complex) -> Option<Vec<Complex>> {
     let n = polynomial.len().checked_sub(1)?;
     // Terms j z^(j-1) p of the derivative, and the sum of their sizes against which it may vanish.
     let mut slope = Complex::new(0.0, 0.0);
@@ -292,12 +292,16 @@ pub enum PoleKind {
     Integrator,
     /// As fast as the sampling or faster, a modulus of `pi/dt` or more: between two samples nobody sees it.
     BeyondNyquist,
+    /// A zero cancels it: a model without it fits as well.
+    Cancelled,
+    /// The line of a machine that runs.
+    Harmonic,
 }
 
 impl PoleKind {
     /// Whether it is a motion of the record: it stands among the modes.
     pub fn is_motion(self) -> bool {
-        !matches!(self, Self::Integrator | Self::BeyondNyquist)
+        matches!(self, Self::Mode | Self::Real | Self::Growing)
     }
 }
 

@@ -1,10 +1,10 @@
 //! A sampled model of one input and one output as polynomials of the shift `q⁻¹`, with their deviations.
 
 use crumple_numerics::linalg::CONDITION_LIMIT;
-use crumple_numerics::lti::{Complex, StateSpace, to_transfer_function};
-use nalgebra::DMatrix;
+use crumple_numerics::lti::{Complex, StateSpace, polynomial_roots, to_transfer_function};
+use nalgebra::{DMatrix, DVector};
 
-use crate::modes::discrete_mode_deviations;
+use crate::modes::{discrete_mode_deviations, root_gradient};
 use crate::{IdentifyError, IoData};
 
 /// `y = B/F u`, `B = b_0 + b_1 q⁻¹ + ...`, `F = 1 + f_1 q⁻¹ + ...`.
@@ -70,6 +70,33 @@ impl PolynomialForm {
         let covariance = &inverse * inverse.transpose() * variance;
         let coefficients = covariance.diagonal().iter().map(|x| x.sqrt()).collect();
         Ok(PolynomialDeviations { coefficients, covariance })
+    }
+
+    /// Square of the distance from the pole nearest to `near` to the zero nearest to that pole, in deviations of the
+    /// two to first order: chi-square with two degrees of freedom where both lie in one place. `None`: no zero, or a
+    /// multiple root.
+    pub(crate) fn distance_of_zero(&self, of: &PolynomialDeviations, near: Complex) -> Option<f64> {
+        let nearest = |polynomial: &[f64], to: Complex| {
+            let roots = polynomial_roots(polynomial).ok()?;
+            roots.into_iter().min_by(|a, b| (a - to).norm().total_cmp(&(b - to).norm()))
+        };
+        let leading = self.numerator.iter().position(|b| *b != 0.0)?;
+        let numerator = &self.numerator[leading..];
+        let pole = nearest(&self.denominator, near)?;
+        let zero = nearest(numerator, pole)?;
+        let of_zero = root_gradient(numerator, zero)?;
+        let of_pole = root_gradient(&self.denominator, pole)?;
+        let before = std::iter::repeat_n(Complex::new(0.0, 0.0), leading);
+        let gradient: Vec<Complex> = before.chain(of_zero).chain(of_pole[1..].iter().map(|dz| -dz)).collect();
+        let parts = DMatrix::from_fn(2, gradient.len(), |i, k| if i == 0 { gradient[k].re } else { gradient[k].im });
+        let covariance = &parts * &of.covariance * parts.transpose();
+        let distance = [(zero - pole).re, (zero - pole).im];
+        // On the real axis there is one direction.
+        if pole.im == 0.0 && zero.im == 0.0 {
+            return Some(distance[0] * distance[0] / covariance[(0, 0)]).filter(|square| square.is_finite());
+        }
+        let distance = DVector::from_row_slice(&distance);
+        Some(distance.dot(&covariance.lu().solve(&distance)?)).filter(|square| square.is_finite())
     }
 
     /// Deviations of natural frequency (rad/s) and damping ratio of the sampled poles.

@@ -62,6 +62,35 @@ impl TransferFunctionFit {
         }
         block.row_iter().map(|row| row.iter().copied().collect()).collect()
     }
+
+    /// Mass, damping and stiffness of a body on a spring and a damper, `s^d/(m s² + c s + k)`, with their covariance to
+    /// first order: of a single path from a force to a displacement (`derivative` 0), its velocity (1) or acceleration
+    /// (2), in the units of the data.
+    ///
+    /// `m = 1/b, c = a1/b, k = a0/b` of `b s^d/(s² + a1 s + a0)`. `None` of other numbers of poles, where another
+    /// coefficient of the numerator is not zero at 95 %, and where they are not determined.
+    pub fn single_mass(&self, derivative: usize) -> Option<([f64; 3], DMatrix<f64>)> {
+        let covariance = self.coefficient_covariance.as_ref()?;
+        let [path] = &self.entries.first()?[..] else { return None };
+        let ([_, a1, a0], numerator) = (path.denominator(), path.numerator()) else { return None };
+        if self.entries.len() > 1 || derivative >= numerator.len() {
+            return None;
+        }
+        let deviations = &self.numerator_deviations[0][0];
+        let last = (numerator.len() - 1, deviations.len() - 1);
+        let is_zero = |k: &usize| numerator[last.0 - k].abs() <= 1.96 * deviations[last.1 - k];
+        if !(0..numerator.len()).filter(|k| *k != derivative).all(|k| is_zero(&k)) {
+            return None;
+        }
+        let (b, count) = (numerator[numerator.len() - 1 - derivative], deviations.len());
+        let places = [count - 1 - derivative, count, count + 1];
+        let known = DMatrix::from_fn(3, 3, |i, k| covariance[(places[i], places[k])]);
+        let of_coefficients = |x: &[f64]| vec![1.0 / x[0], x[1] / x[0], x[2] / x[0]];
+        let values = of_coefficients(&[b, *a1, *a0]);
+        let propagated = propagated(&of_coefficients, &[b, *a1, *a0], &known);
+        let is_known = values.iter().chain(propagated.iter()).all(|x| x.is_finite());
+        is_known.then(|| ([values[0], values[1], values[2]], propagated))
+    }
 }
 
 /// Finds the continuous transfer functions with given numbers of poles and zeros, all with one denominator, whose

@@ -329,6 +329,10 @@ pub enum OtherPoleKindV1 {
     Integrator,
     /// At or beyond the Nyquist frequency of the record.
     BeyondNyquist,
+    /// A zero cancels it: a model without it fits as well.
+    Cancelled,
+    /// The line of a machine that runs.
+    Harmonic,
 }
 
 /// Modes of a model as they were written before: a JSON array.

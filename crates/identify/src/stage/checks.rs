@@ -3,18 +3,19 @@
 
 use std::f64::consts::TAU;
 
-use crumple_signal::{About, Weight};
+use crumple_signal::{About, Note, Weight};
 use crumple_stage::records::{
     FoundDelayV1, NoiseModelV1, OutliersV1, RecordChecksV1, StabilizationClusterV1, StabilizationPoleV1,
     StabilizationV1, TrendV1,
 };
 use crumple_stage::{Output, Refused};
 use crumple_sysid::{
-    AmbientModes, AmbientOptions, Constants, IdentifyError, IoData, NoiseKind, Order, Stability, StabilizationOptions,
-    Trend, ambient_modes, delay_scan, outliers, trend,
+    AmbientModes, AmbientOptions, Constants, HarmonicLine, IdentifyError, IoData, NoiseKind, Order, Stability,
+    StabilizationOptions, Trend, ambient_modes, delay_scan, is_staircase, outliers, trend,
 };
 use rayon::prelude::*;
 
+use crate::stage::options::choices::Hold;
 use crate::stage::options::settings::{InputOutputSettings, Settings};
 use crate::stage::waves::{Source, WindowedWave, flag, record, waves, widen_the_window};
 
@@ -51,6 +52,9 @@ pub fn prepared(source: Source<'_>, out: &mut Output) -> anyhow::Result<(Setting
             checks.inputs_left_out.join(", ")
         );
         out.notes().concern(About::IdentifiedModels, Weight::Slight, text);
+    }
+    if settings.methods.iter().any(|method| method.takes_inputs()) {
+        choose_hold(Source { settings: source.settings, ..source }, input_output, out);
     }
     if let Some(range) = input_output.delays {
         let order = settings.orders.iter().find_map(|order| match order.0 {
@@ -103,6 +107,39 @@ fn left_out(source: Source<'_>) -> anyhow::Result<Vec<String>> {
             .into());
     }
     Ok(names(&driving, &found.inputs_left_out))
+}
+
+/// Steps between the samples where every input stands still between jumps and nothing else is asked for. What is chosen
+/// is said, and what is asked for against the samples.
+fn choose_hold(source: Source<'_>, input_output: &mut InputOutputSettings, out: &mut Output) {
+    // Where the waveforms are refused, the methods say so.
+    let Ok(record) = record(source, input_output) else { return };
+    let is_still = |wave: &&WindowedWave| is_staircase(wave.sampled.samples());
+    let still: Vec<&str> = record.inputs.iter().filter(is_still).map(|wave| wave.id.as_str()).collect();
+    if still.is_empty() || input_output.hold == Hold::ZeroOrder {
+        return;
+    }
+    let stands = match still.len() {
+        1 => format!("{} stands still between its jumps", still[0]),
+        _ => format!("{} stand still between their jumps", still.join(", ")),
+    };
+    match (input_output.hold_is_given, still.len() == record.inputs.len()) {
+        (false, true) => {
+            input_output.hold = Hold::ZeroOrder;
+            let text = format!("{stands}: steps between samples are taken, as --hold zero-order does");
+            out.notes().info(text.clone());
+            out.summary(format!("hold: {text}"));
+        }
+        (given, all) => {
+            let mixed = if all { "" } else { ", the other inputs do not" };
+            let asked = if given { "--hold first-order takes" } else { "all inputs have" };
+            let text = format!(
+                "{stands}{mixed}: {asked} straight lines between samples, which move a staircase by half a sample; \
+                 --hold zero-order takes steps"
+            );
+            out.notes().concern(About::IdentifiedModels, Weight::Marked, text);
+        }
+    }
 }
 
 /// The delay of the record, said with the number that `--delay` takes. A wider range is tried where few are asked for,
@@ -222,13 +259,14 @@ pub fn finish(
     out.put(&topic, &checks)
 }
 
-/// Modes of several outputs without an input, written as the diagram `ambient`: their number, 0 for other records.
-pub fn put_ambient(source: Source<'_>, out: &mut Output) -> anyhow::Result<usize> {
-    let Some(input_output) = source.settings.input_output.as_ref() else { return Ok(0) };
+/// Modes of several outputs without an input, written as the diagram `ambient`, and lines of machines that run. `None`
+/// of other records.
+pub fn put_ambient(source: Source<'_>, out: &mut Output) -> anyhow::Result<Option<AmbientModes>> {
+    let Some(input_output) = source.settings.input_output.as_ref() else { return Ok(None) };
     if input_output.inputs != ["none"] || input_output.outputs.len() < 2 {
-        return Ok(0);
+        return Ok(None);
     }
-    let Ok(record) = record(source, input_output) else { return Ok(0) };
+    let Ok(record) = record(source, input_output) else { return Ok(None) };
     let mut options = AmbientOptions::default();
     if let Some(wanted) = source.settings.stabilisation.as_ref().filter(|wanted| wanted.highest_damping < 1.0) {
         options.highest_damping = wanted.highest_damping;
@@ -237,7 +275,7 @@ pub fn put_ambient(source: Source<'_>, out: &mut Output) -> anyhow::Result<usize
         Ok(found) => found,
         Err(error) => {
             out.notes().info(format!("no modes over orders and halves of the record: {error}"));
-            return Ok(0);
+            return Ok(None);
         }
     };
     let names: Vec<String> = found
@@ -261,9 +299,20 @@ pub fn put_ambient(source: Source<'_>, out: &mut Output) -> anyhow::Result<usize
             found.not_in_both_halves
         ));
     }
+    for HarmonicLine { frequency_rad_per_s, damping_ratio, kurtosis } in &found.harmonics {
+        let text = format!(
+            "ambient: {:.3} Hz is a harmonic line, a machine that runs, and no mode: its damping of \
+             {damping_ratio:.1e} is zero within its error, and the kurtosis of its band is {kurtosis:.2} (a sine has \
+             1.5, a mode in noise 3)",
+            frequency_rad_per_s / TAU
+        );
+        let note = Note::warning(text).bears_on(About::IdentifiedModels, Weight::Slight);
+        out.summary(note.to_string());
+        out.notes().push(note);
+    }
     let channels: Vec<&str> = record.outputs.iter().map(|wave| wave.id.as_str()).collect();
     out.put("/stabilisation/ambient", &diagram(&found, channels.join(", "), options))?;
-    Ok(found.modes.len())
+    Ok(Some(found))
 }
 
 fn diagram(found: &AmbientModes, channel: String, options: AmbientOptions) -> StabilizationV1 {

@@ -49,8 +49,10 @@ impl Stage for Identify {
         out.put("/test", &TestV1::from(&test))?;
         let (settings, checks) = checks::prepared(Source { settings, test: &test, inputs }, out)?;
         let mut settings = settings;
-        let modes = checks::put_ambient(Source { settings: &settings, test: &test, inputs }, out)?;
-        discrete::order_of_ambient(&mut settings, modes, &test, inputs, out);
+        let ambient = checks::put_ambient(Source { settings: &settings, test: &test, inputs }, out)?;
+        if let Some(ambient) = ambient {
+            discrete::take_from_ambient(&mut settings, &ambient, &test, inputs, out);
+        }
         let settings = &settings;
         let source = Source { settings, test: &test, inputs };
         if let (_, Some(rule)) = window_start(source)? {

@@ -179,6 +179,8 @@ pub struct Record {
     pub delay_s: Option<f64>,
     /// What was done to the samples, for the notes of every model.
     pub remarks: Vec<String>,
+    /// Frequencies of machines that run, rad/s.
+    pub harmonics_rad_per_s: Vec<f64>,
 }
 
 impl Record {
@@ -283,7 +285,8 @@ pub fn record(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow:
     let (used, whole) = (data(&|wave| wave.sampled.samples().to_vec())?, data(&WindowedWave::whole)?);
     let delay_s =
         (input_output.delay > 0 && !inputs.is_empty()).then(|| input_output.delay as f64 * first.sampled.dt_s());
-    Ok(Record { inputs, outputs, data: used, whole, delay_s, remarks })
+    let harmonics_rad_per_s = input_output.harmonics_rad_per_s.clone();
+    Ok(Record { inputs, outputs, data: used, whole, delay_s, remarks, harmonics_rad_per_s })
 }
 
 /// Levels above this share of the root mean square about them are named.

@@ -409,6 +409,8 @@ fn cells_of_poles(model: &Model) -> (Vec<[String; 4]>, &'static str) {
         let why = match pole.kind {
             OtherPoleKindV1::Integrator => texts.integrator,
             OtherPoleKindV1::BeyondNyquist => texts.beyond_nyquist,
+            OtherPoleKindV1::Cancelled => texts.cancelled,
+            OtherPoleKindV1::Harmonic => texts.harmonic,
         };
         [why, ABSENT, ABSENT, ABSENT].map(str::to_owned)
     });

@@ -105,6 +105,8 @@ texts! { ConclusionTexts
     rough_crush: "; its crush of {crush}{interval} is rough";
     identified:
         "The closest identified model, {model}, has a fit of {fit}{unseen}{mode}.";
+    identified_chosen:
+        "The recommended identified model, {model}, has a fit of {fit}{unseen}{mode}.";
     unseen: " (unseen samples: {fit})";
     identified_fails:
         "No identified model holds: the best, {model}, has a fit of {fit}{unseen}.";

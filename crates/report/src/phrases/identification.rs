@@ -68,6 +68,8 @@ texts! { IdentificationTexts
         "± one standard deviation, and the 90 % interval, from the bootstrap.";
     integrator: "no mode: near zero";
     beyond_nyquist: "no mode: beyond the sampling";
+    cancelled: "no mode: a zero cancels it";
+    harmonic: "no mode: a machine that runs";
     marginal: "marginal";
     failed_methods: "Not identified";
     compare: "Measured and simulated";
@@ -146,8 +148,8 @@ texts! { IdentificationTexts
     magnitude: "magnitude, dB";
     phase: "phase, °";
     bode_caption:
-        "From {input} to {output}{units}. Phase is unwrapped; natural frequencies of oscillating poles of the closest \
-         model are marked.";
+        "From {input} to {output}{units}. Phase is unwrapped; natural frequencies of oscillating poles of the \
+         recommended, else the closest model are marked.";
     si_units: ", SI units";
     the_input: "the input";
     the_output: "the output";

@@ -112,7 +112,7 @@ pub fn pole_notes(model: &str, poles: &[Complex], record: PoleRecord, edges: &[F
                 describe(&mode),
                 0.5 / dt_s
             )),
-            PoleKind::Integrator => {}
+            PoleKind::Integrator | PoleKind::Cancelled | PoleKind::Harmonic => {}
         }
     }
     match integrators {

@@ -1,6 +1,8 @@
 //! Comparison of models of one output by information criteria and validation.
 
-use crate::InformationCriteria;
+use crumple_numerics::estimation::statistics::standard_deviation;
+
+use crate::{InformationCriteria, autoregressive_effective_samples};
 
 /// Differences of AICc up to this do not tell models apart (Burnham & Anderson, *Model Selection and Multimodel
 /// Inference*, 2002, ch. 2.6).
@@ -23,6 +25,54 @@ pub struct Contender {
     pub order: usize,
     /// The same fit with the start fitted, mean over the outputs.
     pub restarted_fit_percent: Option<f64>,
+    /// Squares of the errors at every sample that it has not seen, [`unseen_squares`]; empty: none were kept.
+    pub unseen_squares: Vec<f64>,
+}
+
+/// Squares of the errors at every sample, each output's divided by its variance, summed over the outputs.
+pub fn unseen_squares(measured: &[Vec<f64>], simulated: &[Vec<f64>]) -> Vec<f64> {
+    let samples = measured.first().map_or(0, Vec::len);
+    let mut sum = vec![0.0; samples];
+    for (y, yh) in measured.iter().zip(simulated) {
+        let variance = standard_deviation(y).unwrap_or(0.0).powi(2).max(f64::MIN_POSITIVE);
+        sum.iter_mut().zip(y.iter().zip(yh)).for_each(|(sum, (y, yh))| *sum += (y - yh).powi(2) / variance);
+    }
+    sum
+}
+
+/// Models that unseen samples leave in the comparison: all without such samples, else those whose mean square error on
+/// them is larger than the smallest by so many standard errors of the difference at most.
+///
+/// One is the rule of Breiman, Friedman, Olshen & Stone, *Classification and Regression Trees*, 1984, ch. 3.4.3, for a
+/// few models. The best of many is best by chance ([`best_of_many`]). The error is that of the difference of two models
+/// at the same samples (Diebold & Mariano, J. Business & Economic Statistics 13, 1995), whose independent samples its
+/// autocorrelation counts.
+pub fn left_by_unseen(contenders: &[Contender], standard_errors: f64) -> Vec<&Contender> {
+    let mean = |squares: &[f64]| squares.iter().sum::<f64>() / squares.len() as f64;
+    let judged = contenders.iter().filter(|contender| !contender.unseen_squares.is_empty());
+    let Some(best) = judged.min_by(|a, b| mean(&a.unseen_squares).total_cmp(&mean(&b.unseen_squares))) else {
+        return contenders.iter().collect();
+    };
+    let is_as_good = |contender: &&Contender| {
+        let differences: Vec<f64> =
+            contender.unseen_squares.iter().zip(&best.unseen_squares).map(|(a, b)| a - b).collect();
+        let more = mean(&differences);
+        let about: Vec<f64> = differences.iter().map(|d| d - more).collect();
+        let independent = autoregressive_effective_samples(&about).max(1.0);
+        let error = standard_deviation(&about).unwrap_or(0.0) / independent.sqrt();
+        !differences.is_empty() && more <= standard_errors * error
+    };
+    let excluded = contenders.iter().filter(|c| !c.unseen_squares.is_empty() && !is_as_good(c));
+    // None stays that is worse than one that goes.
+    let bound = excluded.map(|contender| mean(&contender.unseen_squares)).fold(f64::INFINITY, f64::min);
+    contenders.iter().filter(|c| is_as_good(c) && mean(&c.unseen_squares) <= bound).collect()
+}
+
+/// Standard errors by which the best of so many models is best by chance, at 95 % (Bonferroni, with the bound
+/// `exp(-z²/2)/2` of the tail of a normal distribution): a model confidence set (Hansen, Lunde & Nason, Econometrica
+/// 79, 2011).
+pub fn best_of_many(models: usize) -> f64 {
+    (2.0 * (10.0 * models as f64).ln()).sqrt()
 }
 
 /// A contender and how far it is behind.
@@ -83,7 +133,10 @@ pub fn select(contenders: &[Contender]) -> Option<Selection> {
     let best_by_bic = ranked.iter().min_by(|a, b| a.bic_difference.total_cmp(&b.bic_difference))?.contender.id.clone();
     let best_by_validation = ranked
         .iter()
-        .filter_map(|r| Some((r.contender.validation_fit_percent?, &r.contender.id)))
+        .filter_map(|r| {
+            let Contender { restarted_fit_percent: restarted, validation_fit_percent: run_on, id, .. } = &r.contender;
+            Some((restarted.or(*run_on)?, id))
+        })
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, id)| id.clone());
     let near_equal = ranked
@@ -109,7 +162,25 @@ mod tests {
             validation_fit_percent: None,
             order: 1,
             restarted_fit_percent: None,
+            unseen_squares: Vec::new(),
         }
+    }
+
+    #[test]
+    fn unseen_samples_leave_what_is_within_one_standard_error() {
+        let with = |id: &str, squares: Vec<f64>| Contender { unseen_squares: squares, ..contender(id, 3, 1.0) };
+        let wave = |mean: f64, swing: f64| -> Vec<f64> {
+            (0..400).map(|k| mean + swing * if k % 4 < 2 { 1.0 } else { -1.0 }).collect()
+        };
+        let all = [with("best", wave(1.0, 0.0)), with("as-good", wave(1.01, 0.5)), with("worse", wave(1.2, 0.1))];
+        let left: Vec<&str> = left_by_unseen(&all, 1.0).into_iter().map(|contender| contender.id.as_str()).collect();
+        assert_eq!(left, ["best", "as-good"]);
+        // One without unseen samples is not compared with those that have some; without any all stay.
+        let mixed = [with("best", wave(1.0, 0.0)), contender("blind", 3, 1.0)];
+        assert_eq!(left_by_unseen(&mixed, 1.0).len(), 1);
+        assert_eq!(left_by_unseen(&mixed[1..], 1.0).len(), 1);
+        let squares = unseen_squares(&[vec![1.0, -1.0, 1.0, -1.0]], &[vec![0.0, 0.0, 1.0, -1.0]]);
+        assert!(squares[2..] == [0.0, 0.0] && squares[0] == squares[1] && squares[0] > 0.7, "{squares:?}");
     }
 
     #[test]

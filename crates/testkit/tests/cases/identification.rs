@@ -245,6 +245,8 @@ fn kind_name(kind: PoleKind) -> &'static str {
         PoleKind::Growing => "growing",
         PoleKind::Integrator => "integrator",
         PoleKind::BeyondNyquist => "beyond-nyquist",
+        PoleKind::Cancelled => "cancelled",
+        PoleKind::Harmonic => "harmonic",
     }
 }
 

@@ -9,6 +9,7 @@ use crate::stage::methods::discrete::{MethodRun, ModelRequest};
 use crate::stage::options::choices::Method;
 use crate::stage::options::orders::ArxRanges;
 use crate::stage::records::discrete::{Deviations, DiscreteModel};
+use crate::stage::records::evidence::NamedNumbers;
 use crate::stage::records::results::Results;
 use crate::stage::waves::{Record, Source, flag, widen_the_window};
 
@@ -41,10 +42,27 @@ fn identify_structure(order: ArxOrder, data: &IoData) -> Result<DiscreteModel, I
     let discrete = DiscreteModel {
         predicted: model.predict(data),
         predicted_from: order.states(),
+        coefficients: (0..q).map(|output| coefficients(&model, output)).collect(),
         ..DiscreteModel::new(states, parameters)
     };
     let deviations: Deviations = Box::new(move |poles| model.mode_deviations(poles));
     Ok(DiscreteModel { deviations: (q == 1).then_some(deviations), ..discrete })
+}
+
+/// Coefficients of the equation of one output, `y[k] + a_1 y[k-1] + ... = b_nk u[k-nk] + ...`: `a_<lag>`, `b_<lag>`,
+/// with the number of the signal behind the letter where there are several, `a2_1`.
+fn coefficients(model: &Arx, output: usize) -> NamedNumbers {
+    let (mut names, mut values) = (Vec::new(), Vec::new());
+    for (letter, first, matrices) in [("a", 1, &model.a), ("b", model.order.nk, &model.b)] {
+        for (lag, matrix) in (first..).zip(matrices) {
+            for (place, value) in matrix.row(output).iter().enumerate() {
+                let number = if matrix.ncols() > 1 { (place + 1).to_string() } else { String::new() };
+                names.push(format!("{letter}{number}_{lag}"));
+                values.push(*value);
+            }
+        }
+    }
+    NamedNumbers { names, values, covariance: model.covariance(output) }
 }
 
 /// The structures asked for, and the best of the scan.

@@ -4,7 +4,8 @@ use crumple_numerics::lti::Complex;
 use crumple_signal::{About, Notes, TestDescription, Weight};
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
 use crumple_sysid::{
-    IdentifyError, IoData, Order, OutputErrorOptions, Stop, Weighting, fit_measures, output_error, weak_fit,
+    AmbientModes, IdentifyError, IoData, MissReason, Order, OutputErrorOptions, Stop, Weighting, fit_measures,
+    output_error, weak_fit,
 };
 
 use crate::stage::methods::okid::okid;
@@ -72,7 +73,8 @@ impl<'a> MethodRun<'a> {
         let mut failures = Vec::new();
         for request in requests {
             let identified = (request.identify)(&self.data, RecordChoices::default());
-            match identified.and_then(|model| simulate_accepted(model, &self.data)) {
+            let allowed = self.input_output.allow_unstable;
+            match identified.and_then(|model| simulate_accepted(model, &self.data, allowed)) {
                 Ok((simulated, model)) => {
                     self.put_model(request, model, simulated, results)?;
                     written += 1;
@@ -85,15 +87,25 @@ impl<'a> MethodRun<'a> {
         let answer = if written == 0 { failures.next() } else { None };
         for (id, error) in failures {
             let about = About::Method(self.method.to_string());
-            results.out.notes().concern(about, Weight::Slight, format!("{id} gave no model: {error}"));
+            results.out.notes().concern(about, Weight::Slight, format!("{id} gave no model: {}", self.reason(&error)));
         }
         match answer.map(|(_, error)| error) {
             // Nothing is passed on, but what was found is written: it is a result.
             Some(error @ (IdentifyError::Diverged { .. } | IdentifyError::Misses { .. })) => {
-                Ok(Outcome::NoAcceptableResult(error.to_string()))
+                Ok(Outcome::NoAcceptableResult(self.reason(&error)))
             }
             Some(error) => Err(error).refuse_with_hint(&self.hint),
             None => Ok(Outcome::Done),
+        }
+    }
+
+    /// Why a request has no model, with the flag that gives the poles of one that grows.
+    fn reason(&self, error: &IdentifyError) -> String {
+        match error {
+            IdentifyError::Misses { why: MissReason::Grows { .. }, .. } if self.method.predicts() => {
+                format!("{error}; {} gives its poles and its one-step prediction", flag("allow-unstable"))
+            }
+            _ => error.to_string(),
         }
     }
 
@@ -162,9 +174,14 @@ pub fn run(method: Method, source: Source<'_>, results: &mut Results<'_>) -> any
     for order in &source.settings.orders {
         let (order, choice) = match order.0 {
             Order::Given(n) => (n, None),
-            Order::Automatic => {
-                choose_order(method, weighting, source.settings.max_order, &all.data, input_output, results.out)
-            }
+            Order::Automatic => choose_order(
+                method,
+                weighting,
+                source.settings.max_order,
+                (&all.data, &all.whole),
+                input_output,
+                results.out,
+            ),
         };
         match orders.iter_mut().find(|(other, _)| *other == order) {
             Some((_, known)) => *known = known.take().or(choice),
@@ -195,33 +212,40 @@ pub fn run(method: Method, source: Source<'_>, results: &mut Results<'_>) -> any
     all.put_all(&requests, results)
 }
 
-/// Two states for each mode of an ambient record, where the order is left to the record: there the simulation from the
-/// first sample on says nothing about it. A record that such a model simulates is a free motion, and is left alone.
-pub fn order_of_ambient(
+/// The lines of an ambient record, and two states for each mode and line where the order is left to the record: there
+/// the simulation from the first sample on says nothing about it. A record that such a model simulates is a free
+/// motion, and is left alone.
+pub fn take_from_ambient(
     settings: &mut Settings,
-    modes: usize,
+    ambient: &AmbientModes,
     test: &TestDescription,
     inputs: &Inputs,
     out: &mut Output,
 ) {
+    let (modes, lines) = (ambient.modes.len(), ambient.harmonics.len());
+    if let Some(input_output) = &mut settings.input_output {
+        input_output.harmonics_rad_per_s = ambient.harmonics.iter().map(|line| line.frequency_rad_per_s).collect();
+    }
     let automatic = OrderOption(Order::Automatic);
     let Some(input_output) = settings.input_output.as_ref().filter(|_| settings.orders.contains(&automatic)) else {
         return;
     };
-    let order = 2 * modes;
+    let order = 2 * (modes + lines);
     let is_ambient = || -> Option<bool> {
         let record = record(Source { settings, test, inputs }, input_output).ok()?;
         let model = subspace::identify_order(Weighting::N4sid, order, &record.data, input_output, None).ok()?;
-        let simulated = simulate_accepted(model, &record.data).map(|(simulated, _)| simulated);
+        let simulated = simulate_accepted(model, &record.data, false).map(|(simulated, _)| simulated);
         let is_weak = |(y, yh): (&Vec<f64>, &Vec<f64>)| {
             fit_measures(y, yh).and_then(|fit| fit.fit_percent).is_none_or(|fit| weak_fit(fit).is_some())
         };
         Some(simulated.map_or(true, |all| record.data.outputs().iter().zip(&all).any(is_weak)))
     };
-    if modes == 0 || is_ambient() != Some(true) {
+    if order == 0 || is_ambient() != Some(true) {
         return;
     }
-    out.notes().info(format!("order auto is {order}: two states for each of the {modes} modes over orders and halves"));
+    let lines = if lines > 0 { format!(" and {lines} harmonic lines") } else { String::new() };
+    out.notes()
+        .info(format!("order auto is {order}: two states for each of the {modes} modes{lines} over orders and halves"));
     for known in settings.orders.iter_mut().filter(|known| **known == automatic) {
         *known = OrderOption(Order::Given(order));
     }
@@ -232,7 +256,7 @@ fn choose_order(
     method: Method,
     weighting: Option<Weighting>,
     max_order: usize,
-    data: &IoData,
+    data: (&IoData, &IoData),
     input_output: &InputOutputSettings,
     out: &mut Output,
 ) -> (usize, Option<Choice>) {

@@ -11,7 +11,7 @@ use crate::stage::options::choices::{Condition, Method, Paper};
 use crate::stage::options::paper;
 use crate::stage::options::settings::{InputOutputSettings, Settings};
 use crate::stage::records::discrete::note_on_fit;
-use crate::stage::records::evidence::{Poles, notes_on_poles, pole_record};
+use crate::stage::records::evidence::{NamedNumbers, Poles, notes_on_poles, pole_record};
 use crate::stage::records::model::{FittedModel, Forms, Simulated, evidence_of};
 use crate::stage::records::responses::ModelResponses;
 use crate::stage::records::results::Results;
@@ -247,18 +247,8 @@ fn put_correlations(fit: &ExponentialSumFit, evidence: &mut EvidenceV1) {
         evidence.no_deviations = Some("the sensitivities of the record do not determine the terms".to_owned());
         return;
     };
-    let numbers = fit.numbers();
-    let deviations: Vec<f64> = covariance.diagonal().iter().map(|x| x.max(0.0).sqrt()).collect();
-    let correlation = |i: usize, k: usize| match deviations[i] * deviations[k] {
-        _ if i == k => 1.0,
-        // What does not vary varies with nothing.
-        0.0 => 0.0,
-        product => (covariance[(i, k)] / product).clamp(-1.0, 1.0),
-    };
-    evidence.parameter_correlations =
-        (0..numbers.len()).map(|i| (0..numbers.len()).map(|k| correlation(i, k)).collect()).collect();
-    (evidence.parameter_names, evidence.parameter_values) = numbers.into_iter().unzip();
-    evidence.parameter_deviations = deviations;
+    let (names, values) = fit.numbers().into_iter().unzip();
+    NamedNumbers { names, values, covariance: covariance.clone() }.put(evidence);
 }
 
 /// The sum at a time after the first sample.

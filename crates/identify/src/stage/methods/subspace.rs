@@ -4,8 +4,8 @@ use crumple_signal::Notes;
 use crumple_stage::Output;
 use crumple_sysid::{
     Contender, Horizons, IdentifyError, IoData, Subspace, SubspaceModel, SubspaceOptions, Weighting,
-    automatic_thinning, autoregressive_effective_samples, horizons, select, simulate_fitted, subspace_order_scan,
-    thinned,
+    automatic_thinning, autoregressive_effective_samples, best_of_many, horizons, left_by_unseen, select,
+    simulate_fitted, subspace_order_scan, thinned, unseen_squares,
 };
 use rayon::prelude::*;
 
@@ -65,7 +65,7 @@ fn with_all_orders<T>(
 pub fn chosen_order(
     weighting: Weighting,
     max_order: usize,
-    data: &IoData,
+    (data, whole): (&IoData, &IoData),
     input_output: &InputOutputSettings,
 ) -> Result<(usize, Horizon, String), String> {
     let (m, q) = (data.inputs().len(), data.outputs().len());
@@ -81,13 +81,17 @@ pub fn chosen_order(
         None => (1..=max_order).rev().find(room).unwrap_or(1),
     };
     let (order, horizon) = with_all_orders(weighting, highest, data, input_output, |subspace, thin, horizon| {
-        (automatic_order(subspace, thin.samples() < data.samples(), data, highest), horizon)
+        (automatic_order(subspace, thin.samples() < data.samples(), (data, whole), highest), horizon)
     })
     .map_err(|error| error.to_string())?;
     let order = order.ok_or("no order has a model")?;
+    let among = match whole.samples() > data.samples() {
+        true => ", among those that follow unseen samples as well as any",
+        false => "",
+    };
     let why = format!(
-        "order {order} of 1 to {highest} has the smallest BIC of the simulation, with the effective number of samples, \
-         in models of one horizon of {} block rows",
+        "order {order} of 1 to {highest} has the smallest BIC of the simulation, with the effective number of samples\
+         {among}, in models of one horizon of {} block rows",
         horizon.block_rows
     );
     Ok((order, horizon, why))
@@ -184,7 +188,8 @@ pub fn identify_order(
     }
     if model.reflected_poles > 0 {
         notes.warning(format!(
-            "{} unstable poles were mirrored into the unit circle so that the model can be simulated",
+            "{} unstable poles were mirrored into the unit circle so that the model can be simulated; arx with \
+             --allow-unstable gives them as they are",
             model.reflected_poles
         ));
     }
@@ -264,27 +269,44 @@ const ROUNDING: f64 = 1e-10;
 
 /// The order from 1 to `highest` whose model has the smallest BIC of its simulation; `None` where no order has a model.
 ///
-/// The models come from one factorisation, of `whole` or, if `thin`, of every n-th sample of it; all are simulated on
-/// `whole`. Criteria count the effective samples of the model with the smallest loss; of several outputs the losses are
-/// multiplied. BIC asks for more than AICc where records are long, and finds the true order of many samples.
-pub fn automatic_order(subspace: &Subspace<'_>, thin: bool, whole: &IoData, highest: usize) -> Option<usize> {
+/// The models come from one factorisation, of the record or, if `thin`, of every n-th sample of it; all are simulated
+/// on the record. Samples that the whole has beyond it are unseen, and orders that follow them worse than by chance are
+/// left out ([`left_by_unseen`]). Criteria count the effective samples of the model with the smallest loss; of several
+/// outputs the losses are multiplied. BIC asks for more than AICc where records are long, and finds the true order of
+/// many samples.
+pub fn automatic_order(
+    subspace: &Subspace<'_>,
+    thin: bool,
+    (data, whole): (&IoData, &IoData),
+    highest: usize,
+) -> Option<usize> {
     let orders: Vec<usize> = (1..=highest.min(subspace.highest_order())).collect();
-    let contenders: Vec<(usize, Contender)> =
-        orders.par_iter().filter_map(|order| Some((*order, contender(subspace, thin, whole, *order).ok()?))).collect();
-    let all: Vec<Contender> = contenders.iter().map(|(_, contender)| contender.clone()).collect();
-    match select(&all) {
-        Some(selection) => contenders.iter().find(|(_, c)| c.id == selection.best_by_bic).map(|(order, _)| *order),
-        None => contenders.first().map(|(order, _)| *order),
+    let unseen = whole.slice(data.samples(), whole.samples()).ok();
+    let all: Vec<Contender> =
+        orders.par_iter().filter_map(|order| contender(subspace, thin, (data, unseen.as_ref()), *order).ok()).collect();
+    let left: Vec<Contender> = left_by_unseen(&all, best_of_many(all.len())).into_iter().cloned().collect();
+    match select(&left) {
+        Some(selection) => left.iter().find(|c| c.id == selection.best_by_bic).map(|c| c.order),
+        None => left.first().map(|c| c.order),
     }
 }
 
-fn contender(subspace: &Subspace<'_>, thin: bool, whole: &IoData, order: usize) -> Result<Contender, IdentifyError> {
-    let candidate = if thin { subspace.realize_on(order, whole)? } else { subspace.realize(order)? };
-    let (simulated, _) = simulate_fitted(&candidate.model, whole)?;
-    let (m, q) = (whole.inputs().len(), whole.outputs().len());
+fn contender(
+    subspace: &Subspace<'_>,
+    thin: bool,
+    (data, unseen): (&IoData, Option<&IoData>),
+    order: usize,
+) -> Result<Contender, IdentifyError> {
+    let candidate = if thin { subspace.realize_on(order, data)? } else { subspace.realize(order)? };
+    let (simulated, _) = simulate_fitted(&candidate.model, data)?;
+    let unseen_squares = match unseen {
+        Some(unseen) => unseen_squares(unseen.outputs(), &simulate_fitted(&candidate.model, unseen)?.0),
+        None => Vec::new(),
+    };
+    let (m, q) = (data.inputs().len(), data.outputs().len());
     let mut log_loss = 0.0;
     let mut effective = 0.0;
-    for (measured, model) in whole.outputs().iter().zip(&simulated) {
+    for (measured, model) in data.outputs().iter().zip(&simulated) {
         let error: Vec<f64> = measured.iter().zip(model).map(|(y, yh)| y - yh).collect();
         let mean_square = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>() / x.len() as f64;
         let floor = (ROUNDING * ROUNDING * mean_square(measured)).max(f64::MIN_POSITIVE);
@@ -303,5 +325,6 @@ fn contender(subspace: &Subspace<'_>, thin: bool, whole: &IoData, order: usize) 
         validation_fit_percent: None,
         order,
         restarted_fit_percent: None,
+        unseen_squares,
     })
 }

@@ -15,9 +15,9 @@ use nalgebra::DVector;
 use crate::stage::options::choices::Method;
 use crate::stage::options::paper;
 use crate::stage::options::settings::{InputOutputSettings, Settings};
-use crate::stage::records::discrete::note_on_fit;
-use crate::stage::records::evidence::{Poles, if_determined, notes_on_poles, pole_record, put_search};
-use crate::stage::records::lines::{ILL_CONDITIONED, with_deviation};
+use crate::stage::records::discrete::{note_on_fit, take_out_cancelled};
+use crate::stage::records::evidence::{NamedNumbers, Poles, if_determined, notes_on_poles, pole_record, put_search};
+use crate::stage::records::lines::{self, ILL_CONDITIONED, with_deviation};
 use crate::stage::records::model::{FittedModel, Forms, Simulated, evidence_of, treated_as};
 use crate::stage::records::realization::shapes;
 use crate::stage::records::responses::{Band, ModelResponses};
@@ -156,7 +156,24 @@ fn evidence(task: &TransferFunctionTask<'_>, fit: &TransferFunctionFit) -> Vec<E
         output_evidence.zero_re_deviations = fit.zeros.iter().map(|(_, d)| d.map(|d| d.0)).collect();
         output_evidence.zero_im_deviations = fit.zeros.iter().map(|(_, d)| d.map(|d| d.1)).collect();
     }
+    if let Some((values, covariance)) = derivative(record).and_then(|derivative| fit.single_mass(derivative)) {
+        let names = lines::SINGLE_MASS.iter().map(|(name, ..)| (*name).to_owned()).collect();
+        NamedNumbers { names, values: values.to_vec(), covariance }.put(&mut evidence[0]);
+    }
     evidence
+}
+
+/// By which derivative of a displacement a record answers to a force; `None` of other quantities.
+fn derivative(record: &Record) -> Option<usize> {
+    let [QuantityKind::Force] = record.inputs.iter().map(|wave| wave.quantity).collect::<Vec<_>>()[..] else {
+        return None;
+    };
+    match record.outputs.iter().map(|wave| wave.quantity).collect::<Vec<_>>()[..] {
+        [QuantityKind::Displacement] => Some(0),
+        [QuantityKind::Velocity] => Some(1),
+        [QuantityKind::Acceleration] => Some(2),
+        _ => None,
+    }
 }
 
 fn polynomials(tf: &TransferFunction) -> (Vec<f64>, Vec<f64>) {
@@ -167,7 +184,7 @@ fn polynomials(tf: &TransferFunction) -> (Vec<f64>, Vec<f64>) {
 fn put(
     task: &TransferFunctionTask<'_>,
     fitted: &TransferFunctionFit,
-    notes: Notes,
+    mut notes: Notes,
     results: &mut Results<'_>,
 ) -> anyhow::Result<()> {
     let TransferFunctionTask { id, options, settings, input_output, record } = *task;
@@ -189,7 +206,11 @@ fn put(
         let refitted = transfer_function_fit(&data, &again).ok()?;
         Some(responses_of(&refitted, &record.outputs[0], options.delay).sample(grid))
     };
-    let poles = Poles::of(fitted.modes.iter().map(|mode| (*mode, None)), pole_record(&record.waves()));
+    let mut poles = Poles::of(fitted.modes.iter().map(|mode| (*mode, None)), pole_record(&record.waves()));
+    let sampled: Vec<Complex> =
+        fitted.modes.iter().map(|mode| (mode.pole * record.data.sample_time_s()).exp()).collect();
+    let delayed = record.data.delayed(options.delay);
+    take_out_cancelled((id, record), &delayed, &sampled, &mut poles, &mut notes);
     // Several inputs and outputs have each pole several times: a mode has no one shape then.
     let has_shapes = record.outputs.len() > 1 && fitted.state_space.order() == fitted.modes.len();
     let shapes = has_shapes.then(|| {

@@ -80,6 +80,16 @@ impl Method {
         self == Self::Era
     }
 
+    /// Whether it has a use for inputs.
+    pub fn takes_inputs(self) -> bool {
+        !matches!(self, Self::Era | Self::Exponentials)
+    }
+
+    /// Whether its models predict one step ahead from measured outputs.
+    pub fn predicts(self) -> bool {
+        matches!(self, Self::Arx | Self::Okid)
+    }
+
     /// The weighting of a subspace method.
     pub fn weighting(self) -> Option<Weighting> {
         match self {

@@ -76,7 +76,8 @@ pub struct Options {
     /// Number of its zeros. Default: 1.
     #[arg(long)]
     pub zeros: Option<u32>,
-    /// Input between its samples: first-order (straight lines) or zero-order (steps). Default: first-order.
+    /// Input between its samples: first-order (straight lines) or zero-order (steps). Default: zero-order where every
+    /// input stands still between jumps, else first-order.
     #[arg(long, hide_possible_values = true)]
     pub hold: Option<Hold>,
     /// Motion at the start of the window: estimate, zero, or auto (estimated if an F-test at 5 % says so). Default:
@@ -86,6 +87,10 @@ pub struct Options {
     /// Keep poles of transfer functions from growing; sums of exponentials never grow. Default: false.
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     pub stable: Option<bool>,
+    /// Write a model of arx or okid that grows and cannot be simulated, as of an unstable plant in a loop: poles and
+    /// one-step prediction. Default: false.
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    pub allow_unstable: Option<bool>,
     /// Ways to starting points of a transfer function: svf, iv, n4sid, arx, integrators, random.
     /// Default: all.
     #[arg(long, value_delimiter = ',', hide_possible_values = true)]

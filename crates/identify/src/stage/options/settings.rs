@@ -100,6 +100,10 @@ impl Settings {
         if let Some((name, _)) = sizes.iter().find(|(_, size)| *size == Some(0)) {
             return Err(Usage::new(format!("{name} is 0, a positive number is needed")));
         }
+        if options.allow_unstable == Some(true) && !options.methods.iter().any(|method| method.predicts()) {
+            return Err(Usage::new("allow_unstable is given, but no method that predicts one step ahead")
+                .hint(format!("add arx or okid to {}", flag("methods"))));
+        }
         let size = |n: Option<u32>| n.map(|n| n as usize);
         let window_per_s = options.window_time_constant.map(|constant| constant.si().recip());
         if window_per_s.is_some_and(|rate| !(rate > 0.0 && rate.is_finite())) {
@@ -199,12 +203,18 @@ pub struct InputOutputSettings {
     pub poles: usize,
     /// Zeros.
     pub zeros: usize,
-    /// Input between samples.
+    /// Input between samples; where it is not asked for, steps of inputs that stand still between jumps.
     pub hold: Hold,
+    /// Whether it is asked for.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub hold_is_given: bool,
     /// Motion at the start.
     pub initial: Initial,
     /// Whether poles are kept from growing.
     pub stable: bool,
+    /// Whether a model that grows is written without a simulation.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub allow_unstable: bool,
     /// Ways to starting points.
     pub starts: Vec<StartName>,
     /// Iterations from each start, largest last, at least one.
@@ -245,6 +255,9 @@ pub struct InputOutputSettings {
     /// Whether a straight line is removed from inputs and outputs.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub remove_trend: bool,
+    /// Frequencies of machines that run, rad/s, as the record shows them; not asked for.
+    #[serde(skip)]
+    pub harmonics_rad_per_s: Vec<f64>,
 }
 
 impl InputOutputSettings {
@@ -293,8 +306,10 @@ impl InputOutputSettings {
             poles: size(options.poles, 4),
             zeros: size(options.zeros, 1),
             hold: options.hold.unwrap_or_default(),
+            hold_is_given: options.hold.is_some(),
             initial: options.initial.unwrap_or_default(),
             stable: options.stable.unwrap_or(false),
+            allow_unstable: options.allow_unstable.unwrap_or(false),
             starts: starts.to_vec(),
             max_iterations,
             delay: if let Some(Delay::Given(samples)) = options.delay { samples as usize } else { 0 },
@@ -314,6 +329,7 @@ impl InputOutputSettings {
             remove_mean: options.remove_mean.unwrap_or(false),
             remove_mean_unless_crash: auto && options.remove_mean.is_none(),
             remove_trend: options.remove_trend.unwrap_or(false),
+            harmonics_rad_per_s: Vec::new(),
         })
     }
 

@@ -3,11 +3,17 @@
 use crumple_numerics::lti::{Complex, InputHold, LtiError, Mode, StateSpace, to_continuous, to_transfer_function};
 use crumple_signal::{Note, Notes};
 use crumple_stage::records::{EvidenceV1, ShapesV1};
-use crumple_sysid::{IdentifyError, IoData, MissReason, fit_measures, mode_shapes, simulate_fitted, weak_fit};
+use crumple_sysid::{
+    Cancelled, IdentifyError, IoData, MissReason, PoleKind, cancelled_poles, fit_measures, mode_shapes,
+    simulate_fitted, weak_fit,
+};
 
 use crate::stage::options::choices::{Hold, Method};
 use crate::stage::options::settings::BootstrapSettings;
-use crate::stage::records::evidence::{Poles, notes_on_poles, pole_record, prediction_tests};
+use crate::stage::records::evidence::{
+    NamedNumbers, Poles, clear_simulation, notes_on_poles, pole_record, prediction_tests,
+};
+use crate::stage::records::lines;
 use crate::stage::records::model::{FittedModel, Forms, Simulated, evidence_of, treated_as};
 use crate::stage::records::realization::shapes;
 use crate::stage::records::responses::{ModelResponses, zeros_of};
@@ -38,6 +44,8 @@ pub struct DiscreteModel {
     pub notes: Notes,
     /// Models written beside the one that is simulated, by the last part of their topic.
     pub other_models: Vec<(&'static str, StateSpace)>,
+    /// Coefficients of every output with their covariance, where those are what the method fits.
+    pub coefficients: Vec<NamedNumbers>,
     /// What the method chose by the record; the fits of a bootstrap keep these choices.
     pub choices: RecordChoices,
 }
@@ -71,6 +79,7 @@ impl DiscreteModel {
             deviations: None,
             notes: Notes::new(),
             other_models: Vec::new(),
+            coefficients: Vec::new(),
             choices: RecordChoices::default(),
         }
     }
@@ -87,11 +96,25 @@ const ROUNDING: f64 = 1e-8;
 ///
 /// Errors: a simulation that misses the record by more than twice what its mean does (fit below -100 %) and accounts
 /// for none of its variance. Where it accounts for some, the level of the record is what is missed, and a note says so;
-/// another where the errors have more than half of the variance.
+/// another where the errors have more than half of the variance. With `allow_unstable` a model that misses because it
+/// grows, and that predicts one step ahead, is accepted without a simulation: no outputs.
 pub fn simulate_accepted(
     mut model: DiscreteModel,
     data: &IoData,
+    allow_unstable: bool,
 ) -> Result<(Vec<Vec<f64>>, DiscreteModel), IdentifyError> {
+    let refused = |percent: f64, mut model: DiscreteModel| match miss(percent, &model) {
+        IdentifyError::Misses { why: MissReason::Grows { factor }, .. }
+            if allow_unstable && !model.predicted.is_empty() =>
+        {
+            model.notes.warning(format!(
+                "the model grows by a factor {factor:.4} per sample and cannot be simulated: its poles and its \
+                 one-step prediction can be used, its output cannot"
+            ));
+            Ok((Vec::new(), model))
+        }
+        error => Err(error),
+    };
     let simulated = simulate_fitted(&model.state_space, data)?.0;
     if data.inputs().is_empty() && data.outputs().len() > 1 {
         // Of motion that nobody measured the cause of, a simulation is no verdict.
@@ -100,10 +123,10 @@ pub fn simulate_accepted(
     for (measured, response) in data.outputs().iter().zip(&simulated) {
         let fit = match fit_measures(measured, response) {
             Some(fit) => fit,
-            None => return Err(miss(f64::NEG_INFINITY, &model)),
+            None => return refused(f64::NEG_INFINITY, model),
         };
         match fit.fit_percent.filter(|fit| *fit < LEAST_FIT_PERCENT) {
-            Some(percent) if fit.vaf_percent.is_none_or(|vaf| vaf <= 0.0) => return Err(miss(percent, &model)),
+            Some(percent) if fit.vaf_percent.is_none_or(|vaf| vaf <= 0.0) => return refused(percent, model),
             _ => {
                 if let Some(text) = fit.fit_percent.and_then(fit_warning) {
                     model.notes.warning(text);
@@ -183,12 +206,22 @@ pub fn put_discrete_model(
     record.remarks.iter().for_each(|remark| notes.info(format!("{id}: {remark}")));
     model.notes.iter().for_each(|note| notes.push(Note { text: format!("{id}: {}", note.text), ..note.clone() }));
     let (forms, continuous) = forms(task, &model, &mut notes)?;
-    let (discrete_poles, poles, shapes) = modes(task, &model.state_space)?;
+    let (discrete_poles, mut poles, shapes) = modes(task, &model.state_space)?;
+    if !used.is_empty() {
+        take_out_cancelled((id, record), task.data, &discrete_poles, &mut poles, &mut notes);
+    }
     let responses = responses_of(&model.state_space, continuous.as_ref(), &record.outputs[0], task.delay())?;
-    notes.extend(notes_on_poles(id, &responses.poles, &record.waves()));
-    let mut evidence = evidence_of(&record.inputs, &record.outputs, &used, model.parameters);
+    notes.extend(notes_on_poles(id, &poles.of_the_system(), &record.waves()));
+    let is_simulated = !used.is_empty();
+    let shown = if is_simulated { &used } else { &model.predicted };
+    let mut evidence = evidence_of(&record.inputs, &record.outputs, shown, model.parameters);
+    if !is_simulated {
+        evidence.iter_mut().for_each(clear_simulation);
+    }
     fill_evidence(task, &model, &discrete_poles, &mut evidence, &mut notes);
-    let simulated = match Simulated::of_state_space(&model.state_space, used.clone(), (task.data, task.whole), None) {
+    let whole = (task.data, task.whole);
+    let simulated = match Simulated::of_state_space(&model.state_space, used.clone(), whole, None) {
+        _ if !is_simulated => Simulated::all_used(used),
         Ok(simulated) => simulated,
         Err(error) => {
             notes.warning(format!("{id}: no validation: {error}"));
@@ -219,7 +252,7 @@ pub fn put_discrete_model(
         singular_values: model.singular_values.clone(),
         responses,
         band: None,
-        bootstrap: task.bootstrap,
+        bootstrap: task.bootstrap.filter(|_| is_simulated),
         hold: (!record.inputs.is_empty()).then_some(hold),
         refit: Box::new(refit),
         notes,
@@ -312,13 +345,41 @@ fn modes(task: &DiscreteTask<'_>, model: &StateSpace) -> anyhow::Result<(Vec<Com
     let dt = record.data.sample_time_s();
     let pairs: Vec<(Complex, Mode)> =
         model.poles()?.into_iter().filter_map(|z| Some((z, Mode::discrete(z, dt)?))).collect();
-    let poles = Poles::of(pairs.iter().map(|(z, mode)| (*mode, Some(*z))), pole_record(&record.waves()));
+    let poles = Poles::of(pairs.iter().map(|(z, mode)| (*mode, Some(*z))), pole_record(&record.waves()))
+        .with_harmonics(&record.harmonics_rad_per_s);
     let discrete: Vec<Complex> = pairs.iter().map(|(z, _)| *z).collect();
     let shapes = (record.outputs.len() > 1).then(|| {
         let modes = pairs.iter().zip(poles.are_modes()).map(|((z, mode), is_mode)| (*z, is_mode.then_some(*mode)));
         shapes(&modes.collect::<Vec<_>>(), &mode_shapes(model, &discrete), &record.outputs)
     });
     Ok((discrete, poles, shapes))
+}
+
+/// Takes poles that zeros cancel out of the modes of a model, and says it. From an acceleration to a displacement,
+/// where a double integrator is true whatever the modes, none is looked for.
+pub fn take_out_cancelled(
+    (id, record): (&str, &Record),
+    data: &IoData,
+    sampled: &[Complex],
+    poles: &mut Poles,
+    notes: &mut Notes,
+) {
+    if pole_record(&record.waves()).of_motion {
+        return;
+    }
+    let Some(Cancelled { poles: surplus, fit_percent, without_percent }) = cancelled_poles(data, sampled) else {
+        return;
+    };
+    let places: Vec<usize> = (0..sampled.len()).filter(|k| surplus.contains(&sampled[*k])).collect();
+    places.iter().for_each(|place| poles.take_out(*place, PoleKind::Cancelled));
+    let upper = places.iter().filter(|place| sampled[**place].im >= 0.0);
+    let names: Vec<String> = upper.map(|place| format!("{} Hz", lines::digits(poles.natural_hz(*place)))).collect();
+    let (count, rest) = (places.len(), sampled.len() - places.len());
+    notes.warning(format!(
+        "{id}: zeros cancel the poles at {}: they are no modes. A model of {rest} poles, {count} fewer, is as good \
+         by BIC (fit {without_percent:.2} % against {fit_percent:.2} %)",
+        names.join(", ")
+    ));
 }
 
 /// Fills in what the method tells of its fit: one-step predictions, deviations of the `poles`, losses, or why there are
@@ -355,6 +416,9 @@ fn fill_evidence(
             output_evidence.whiteness = tests.map(|t| t.whiteness);
             output_evidence.whiteness_limit = tests.map(|t| t.whiteness_limit);
             output_evidence.input_correlation = tests.and_then(|t| t.input_correlation);
+        }
+        if let Some(coefficients) = model.coefficients.get(k) {
+            coefficients.clone().put(output_evidence);
         }
         output_evidence.stop_reason = model.stop_reason.map(str::to_owned);
         output_evidence.condition = model.condition;

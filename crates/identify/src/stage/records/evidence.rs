@@ -1,5 +1,7 @@
 //! Evidence common to the methods beside `era`, and poles, as records.
 
+use std::f64::consts::TAU;
+
 use crumple_numerics::lti::{Complex, Mode};
 use crumple_signal::{Notes, QuantityKind};
 use crumple_stage::records::{
@@ -9,10 +11,14 @@ use crumple_sysid::{
     InformationCriteria, PoleKind, PoleRecord, ResidualTests, SearchOutcome, autoregressive_effective_samples,
     fit_measures, pole_kinds, pole_notes, residual_tests,
 };
+use nalgebra::DMatrix;
 
 use crate::stage::options::choices::{Hold, Paper};
 use crate::stage::records::lines::AMBIENT;
 use crate::stage::waves::{WindowedWave, filter_edges};
+
+/// A pole this near to the frequency of a machine that runs, relative, is its line.
+const NEAR_A_LINE: f64 = 0.01;
 
 /// All poles of a model that was identified from a record, one entry each, and what each is.
 pub struct Poles {
@@ -20,6 +26,8 @@ pub struct Poles {
     kinds: Vec<PoleKind>,
     /// Frequency, rad/s, and damping ratio that an exponential window added to each.
     of_window: Vec<(f64, f64)>,
+    /// Decay rate of that window, 1/s.
+    window_per_s: f64,
 }
 
 impl Poles {
@@ -33,15 +41,50 @@ impl Poles {
                 PoleKind::Growing => Some(ModeKindV1::Growing),
                 PoleKind::Real => Some(ModeKindV1::Real),
                 PoleKind::Mode => Some(ModeKindV1::Mode),
-                PoleKind::Integrator | PoleKind::BeyondNyquist => None,
+                PoleKind::Integrator | PoleKind::BeyondNyquist | PoleKind::Cancelled | PoleKind::Harmonic => None,
             };
         }
-        Self { entries, kinds, of_window }
+        Self { entries, kinds, of_window, window_per_s: record.window_per_s }
     }
 
     /// Of continuous poles, with their discrete counterparts where the model is sampled.
     pub fn of(poles: impl Iterator<Item = (Mode, Option<Complex>)>, record: PoleRecord) -> Self {
         Self::new(poles.map(|(mode, discrete)| entry(&mode, discrete)).collect(), record)
+    }
+
+    /// Makes the oscillation nearest to each frequency (rad/s) of a machine that runs a harmonic line, up to 1 % away.
+    pub fn with_harmonics(mut self, harmonics_rad_per_s: &[f64]) -> Self {
+        let mut upper: Vec<usize> = (0..self.entries.len()).filter(|k| self.entries[*k].im_rad_per_s > 0.0).collect();
+        for harmonic in harmonics_rad_per_s {
+            let away = |k: usize| (self.entries[k].natural_frequency_rad_per_s / harmonic - 1.0).abs();
+            let nearest = upper.iter().copied().min_by(|a, b| away(*a).total_cmp(&away(*b)));
+            let Some(place) = nearest.filter(|place| away(*place) < NEAR_A_LINE) else { continue };
+            upper.retain(|k| *k != place);
+            self.take_out(place, PoleKind::Harmonic);
+        }
+        self
+    }
+
+    /// The continuous poles but those that a machine or a zero makes.
+    pub fn of_the_system(&self) -> Vec<Complex> {
+        let is_own = |kind: &PoleKind| !matches!(kind, PoleKind::Cancelled | PoleKind::Harmonic);
+        let own = self.entries.iter().zip(&self.kinds).filter(|(_, kind)| is_own(kind));
+        own.map(|(pole, _)| Complex::new(pole.re_per_s - self.window_per_s, pole.im_rad_per_s)).collect()
+    }
+
+    /// The natural frequency of a pole, Hz.
+    pub fn natural_hz(&self, place: usize) -> f64 {
+        self.entries[place].natural_frequency_rad_per_s / TAU
+    }
+
+    /// Makes a pole and its conjugate something that is no mode.
+    pub fn take_out(&mut self, place: usize, kind: PoleKind) {
+        let ModeV1 { re_per_s: re, im_rad_per_s: im, .. } = self.entries[place];
+        for (entry, known) in self.entries.iter_mut().zip(&mut self.kinds) {
+            if entry.re_per_s == re && entry.im_rad_per_s.abs() == im.abs() {
+                (*known, entry.kind) = (kind, None);
+            }
+        }
     }
 
     /// Whether each is a mode, in their order.
@@ -61,6 +104,8 @@ impl Poles {
                 PoleKind::Mode | PoleKind::Real | PoleKind::Growing => return None,
                 PoleKind::Integrator => OtherPoleKindV1::Integrator,
                 PoleKind::BeyondNyquist => OtherPoleKindV1::BeyondNyquist,
+                PoleKind::Cancelled => OtherPoleKindV1::Cancelled,
+                PoleKind::Harmonic => OtherPoleKindV1::Harmonic,
             };
             let ModeV1 { re_per_s, im_rad_per_s, discrete_re, discrete_im, .. } = *pole;
             Some(OtherPoleV1 { re_per_s, im_rad_per_s, discrete_re, discrete_im, kind })
@@ -247,13 +292,15 @@ pub fn without_simulation(whole: &mut IdentificationV1, evidence: &mut [Evidence
     whole.treated_as = AMBIENT.to_owned();
     (whole.fit_percent, whole.rmse) = (None, None);
     whole.output_fits_percent.iter_mut().for_each(|fit| *fit = None);
-    for output_evidence in evidence {
-        (output_evidence.loss, output_evidence.vaf_percent, output_evidence.final_prediction_error) =
-            (None, None, None);
-        (output_evidence.aic, output_evidence.aicc, output_evidence.bic) = (None, None, None);
-        (output_evidence.minimum_description_length, output_evidence.simulation_whiteness) = (None, None);
-        (output_evidence.whiteness, output_evidence.residual_lag_one) = (None, None);
-    }
+    evidence.iter_mut().for_each(clear_simulation);
+}
+
+/// Takes the figures of a simulation out of the evidence of one output.
+pub fn clear_simulation(evidence: &mut EvidenceV1) {
+    (evidence.loss, evidence.vaf_percent, evidence.final_prediction_error) = (None, None, None);
+    (evidence.aic, evidence.aicc, evidence.bic) = (None, None, None);
+    (evidence.minimum_description_length, evidence.simulation_whiteness) = (None, None);
+    (evidence.whiteness, evidence.residual_lag_one) = (None, None);
 }
 
 /// Puts a search into the evidence of one output: `hold` as declared, `paper` whose procedure it is.
@@ -270,6 +317,58 @@ pub fn put_search(search: &SearchOutcome, hold: Hold, paper: Option<Paper>, outp
     output_evidence.frequency_deviations = search.mode_deviations.iter().map(|d| d.map(|d| d.0)).collect();
     output_evidence.damping_deviations = search.mode_deviations.iter().map(|d| d.map(|d| d.1)).collect();
     output_evidence.paper = paper.map(|paper| paper.to_string());
+}
+
+/// Numbers up to which all correlations are written.
+const MOST_CORRELATED: usize = 60;
+
+/// Numbers of a model that are known with their correlations.
+#[derive(Clone)]
+pub struct NamedNumbers {
+    /// Their names, a unit at the end where they have one.
+    pub names: Vec<String>,
+    /// Their values.
+    pub values: Vec<f64>,
+    /// Their covariance.
+    pub covariance: DMatrix<f64>,
+}
+
+impl NamedNumbers {
+    /// Puts names, values, standard deviations and correlations into the evidence of an output.
+    pub fn put(self, evidence: &mut EvidenceV1) {
+        let Self { names, values, covariance } = self;
+        let deviations: Vec<f64> = covariance.diagonal().iter().map(|x| x.max(0.0).sqrt()).collect();
+        let correlation = |i: usize, k: usize| match deviations[i] * deviations[k] {
+            _ if i == k => 1.0,
+            // What does not vary varies with nothing.
+            0.0 => 0.0,
+            product => (covariance[(i, k)] / product).clamp(-1.0, 1.0),
+        };
+        let count = if values.len() > MOST_CORRELATED { 0 } else { values.len() };
+        evidence.parameter_correlations = (0..count).map(|i| (0..count).map(|k| correlation(i, k)).collect()).collect();
+        (evidence.parameter_names, evidence.parameter_values) = (names, values);
+        evidence.parameter_deviations = deviations;
+    }
+}
+
+/// Adds a relative error that all gains of a transfer function share to the deviations of its numerators, and of the
+/// mass, damping and stiffness that follow from them.
+pub fn add_to_gains(evidence: &mut EvidenceV1, paths: &[(Vec<f64>, Vec<f64>)], share: f64) {
+    let each = (evidence.numerator_deviations.len() / paths.len().max(1)).max(1);
+    for (deviations, (numerator, _)) in evidence.numerator_deviations.chunks_exact_mut(each).zip(paths) {
+        // The deviations belong to the last coefficients.
+        let shown = deviations.iter_mut().rev().zip(numerator.iter().rev());
+        shown.for_each(|(deviation, b)| *deviation = deviation.hypot(share * b));
+    }
+    let EvidenceV1 { parameter_values: values, parameter_deviations: deviations, .. } = evidence;
+    let before = deviations.clone();
+    deviations.iter_mut().zip(&*values).for_each(|(deviation, value)| *deviation = deviation.hypot(share * value));
+    for (i, row) in evidence.parameter_correlations.iter_mut().enumerate() {
+        for (k, correlation) in row.iter_mut().enumerate() {
+            let covariance = *correlation * before[i] * before[k] + share * share * values[i] * values[k];
+            *correlation = (covariance / (deviations[i] * deviations[k])).clamp(-1.0, 1.0);
+        }
+    }
 }
 
 /// Deviations, or none where they are not determined.

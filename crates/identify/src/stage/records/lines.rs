@@ -4,7 +4,9 @@ use std::f64::consts::TAU;
 
 use crumple_numerics::lti::Complex;
 use crumple_signal::Note;
-use crumple_stage::records::{EvidenceV1, IdentificationV1, ModeV1, ModesV2, NoiseModelV1, OtherPoleKindV1, SpreadV1};
+use crumple_stage::records::{
+    EvidenceV1, IdentificationV1, ModeV1, ModesV2, NoiseModelV1, OtherPoleKindV1, OtherPoleV1, SpreadV1,
+};
 use crumple_sysid::weak_fit;
 
 use crate::stage::records::model::Forms;
@@ -30,6 +32,13 @@ pub const AMBIENT: &str = "ambient";
 /// Columns of the names of lines.
 const LABEL: usize = 13;
 
+/// Numbers of a body on a spring and a damper: name in the evidence, symbol, unit.
+pub const SINGLE_MASS: [(&str, &str, &str); 3] =
+    [("mass_kg", "m", "kg"), ("damping_n_s_per_m", "c", "N s/m"), ("stiffness_n_per_m", "k", "N/m")];
+
+/// Coefficients of a sampled model that are printed; those of more are in the artifact.
+const MOST_COEFFICIENTS: usize = 12;
+
 /// Name, numerator and denominator, and deviations of the numerator of one path.
 type NamedPath<'a> = (String, &'a (Vec<f64>, Vec<f64>), &'a [f64]);
 
@@ -47,6 +56,8 @@ pub struct ModelFacts<'a> {
     pub forms: &'a Forms,
     /// Its zeros, 1/s.
     pub zeros: &'a [Complex],
+    /// Whether straight lines between the samples of an input lose more than the record leaves open.
+    pub loses_in_lines: bool,
 }
 
 /// A number with three significant digits, `1.23e8` where it is large or small.
@@ -124,9 +135,10 @@ impl ModelFacts<'_> {
         let mut put = |label: &str, text: Option<String>| {
             lines.extend(text.map(|text| format!("  {label:<LABEL$} {text}")));
         };
-        put("outputs", self.outputs().filter(|_| !self.is_ambient()));
+        put("outputs", self.outputs().filter(|_| !self.is_ambient() && !self.is_predicted_only()));
         self.form().into_iter().for_each(|(label, text)| put(label, Some(text)));
         put("poles", self.poles());
+        put("poles z", self.sampled_poles().filter(|_| self.is_predicted_only()));
         put("zeros", self.zeros());
         put("search", self.search());
         if !self.is_ambient() {
@@ -142,6 +154,11 @@ impl ModelFacts<'_> {
         if self.is_ambient() {
             return format!("{id}: of an ambient record of {samples} samples, not judged by a fit");
         }
+        if self.is_predicted_only() {
+            let fits = evidence.iter().map(|e| format!("{} of {}", percent(e.prediction_fit_percent), e.output));
+            let fits = fits.collect::<Vec<_>>().join(", ");
+            return format!("{id}: one-step prediction fit {fits}, {samples} samples; it grows and is not simulated");
+        }
         if evidence.len() > 1 {
             return format!("{id}: worst fit {} of {samples} samples", percent(*fit_percent));
         }
@@ -152,6 +169,13 @@ impl ModelFacts<'_> {
     /// Whether nobody knows what drove the record.
     fn is_ambient(&self) -> bool {
         self.identification.treated_as == AMBIENT
+    }
+
+    /// Whether the model grows, so that its one-step prediction alone was compared with the record.
+    fn is_predicted_only(&self) -> bool {
+        let Self { identification, evidence, .. } = *self;
+        let predicts = |e: &EvidenceV1| e.loss.is_none() && e.prediction_fit_percent.is_some();
+        identification.fit_percent.is_none() && !evidence.is_empty() && evidence.iter().all(predicts)
     }
 
     /// Fit and validation of each output, where there are several.
@@ -179,7 +203,9 @@ impl ModelFacts<'_> {
             let [states, inputs, outputs] =
                 [(model.order(), "state"), (model.b.ncols(), "input"), (model.c.nrows(), "output")]
                     .map(|(n, w)| count(n, w));
-            return vec![("state space", format!("{states}, {inputs}, {outputs}, {sampled}"))];
+            let mut lines = vec![("state space", format!("{states}, {inputs}, {outputs}, {sampled}"))];
+            lines.extend(self.shift_polynomials());
+            return lines;
         }
         let paths = self.paths();
         let mut lines: Vec<(&'static str, String)> = Vec::new();
@@ -194,6 +220,55 @@ impl ModelFacts<'_> {
         if let Some((_, (_, denominator), _)) = paths.first() {
             let deviations = self.evidence.first().map_or(&[][..], |evidence| &evidence.denominator_deviations);
             lines.push(("denominator", polynomial(denominator, deviations)));
+        }
+        lines.extend(self.single_mass().map(|text| ("structure", text)));
+        lines
+    }
+
+    /// `m 2.500 ± 0.010 kg, c ..., k ...` of a body on a spring and a damper.
+    fn single_mass(&self) -> Option<String> {
+        let evidence = self.evidence.first()?;
+        let number = |(name, symbol, unit): &(&str, &str, &str)| {
+            let place = evidence.parameter_names.iter().position(|known| known == name)?;
+            let deviation = evidence.parameter_deviations.get(place).copied();
+            Some(format!("{symbol} {} {unit}", measured(evidence.parameter_values[place], None, deviation, 1.0).0))
+        };
+        let all: Option<Vec<String>> = SINGLE_MASS.iter().map(number).collect();
+        Some(all?.join(", "))
+    }
+
+    /// `A(q)` and `B(q)` of every input of a model of one output that was fitted as such, with deviations.
+    fn shift_polynomials(&self) -> Vec<(&'static str, String)> {
+        let [evidence] = self.evidence else { return Vec::new() };
+        let EvidenceV1 { parameter_names: names, parameter_values: values, parameter_deviations: deviations, .. } =
+            evidence;
+        if names.len() > MOST_COEFFICIENTS {
+            return vec![(
+                "A(q), B(q)",
+                format!("{} coefficients in the artifact: /evidence/{}", names.len(), self.id),
+            )];
+        }
+        let term = |lag: usize, place: usize| {
+            let number = measured(values[place], None, deviations.get(place).copied(), 1.0).0;
+            if lag == 0 { format!("({number})") } else { format!("({number}) q^-{lag}") }
+        };
+        let of = |prefix: &str| -> Vec<String> {
+            let lag_of = |name: &String| name.strip_prefix(prefix)?.parse::<usize>().ok();
+            names.iter().enumerate().filter_map(|(place, name)| Some(term(lag_of(name)?, place))).collect()
+        };
+        let mut lines = Vec::new();
+        let a = of("a_");
+        if !a.is_empty() {
+            lines.push(("A(q)", format!("1 + {}", a.join(" + "))));
+        }
+        let inputs = &self.identification.inputs;
+        for (place, input) in inputs.iter().enumerate() {
+            let several = inputs.len() > 1;
+            let b = of(&if several { format!("b{}_", place + 1) } else { "b_".to_owned() });
+            let name = if several { format!("   of {input}") } else { String::new() };
+            if !b.is_empty() {
+                lines.push(("B(q)", format!("{}{name}", b.join(" + "))));
+            }
         }
         lines
     }
@@ -229,10 +304,25 @@ impl ModelFacts<'_> {
             1 => all.push("an integrator".to_owned()),
             count => all.push(format!("{count} integrators")),
         }
-        let beyond = others(OtherPoleKindV1::BeyondNyquist).filter(|pole| pole.im_rad_per_s >= 0.0);
-        all.extend(
-            beyond.map(|pole| format!("{} Hz, beyond Nyquist", digits(pole.re_per_s.hypot(pole.im_rad_per_s) / TAU))),
-        );
+        for (kind, what) in [
+            (OtherPoleKindV1::BeyondNyquist, "beyond Nyquist"),
+            (OtherPoleKindV1::Cancelled, "cancelled by a zero, no mode"),
+            (OtherPoleKindV1::Harmonic, "a harmonic line, no mode"),
+        ] {
+            let upper = others(kind).filter(|pole| pole.im_rad_per_s >= 0.0);
+            let hz = |pole: &OtherPoleV1| digits(pole.re_per_s.hypot(pole.im_rad_per_s) / TAU);
+            all.extend(upper.map(|pole| format!("{} Hz, {what}", hz(pole))));
+        }
+        (!all.is_empty()).then(|| named(all))
+    }
+
+    /// The sampled poles, `1.1175; 0.8798`.
+    fn sampled_poles(&self) -> Option<String> {
+        let modes = self.modes.modes.iter().map(|mode| (mode.discrete_re, mode.discrete_im));
+        let others = self.modes.other_poles.iter().map(|pole| (pole.discrete_re, pole.discrete_im));
+        let upper = modes.chain(others).filter_map(|(re, im)| re.zip(im)).filter(|(_, im)| *im >= 0.0);
+        let all: Vec<String> =
+            upper.map(|(re, im)| if im == 0.0 { format!("{re:.4}") } else { format!("{re:.4} ± {im:.4}i") }).collect();
         (!all.is_empty()).then(|| named(all))
     }
 
@@ -271,14 +361,20 @@ impl ModelFacts<'_> {
 
     /// Whether the errors of the simulation are correlated, and what that does to the deviations.
     pub fn errors(&self) -> Option<String> {
+        let ahead = self.is_predicted_only();
+        let whiteness = |e: &EvidenceV1| if ahead { e.whiteness } else { e.simulation_whiteness };
         let tested: Vec<(&EvidenceV1, f64, f64)> = self
             .evidence
             .iter()
-            .filter_map(|evidence| Some((evidence, evidence.simulation_whiteness?, evidence.whiteness_limit?)))
+            .filter_map(|evidence| Some((evidence, whiteness(evidence)?, evidence.whiteness_limit?)))
             .collect();
         let of = |(_, statistic, limit): &&(&EvidenceV1, f64, f64)| statistic > limit;
         let Some((first, statistic, limit)) = tested.iter().filter(of).max_by(|a, b| a.1.total_cmp(&b.1)) else {
-            return (!tested.is_empty()).then(|| "white, as deviations and intervals assume".to_owned());
+            let assumed = match self.loses_in_lines {
+                true => "white, but deviations of poles leave out what straight lines between samples lose",
+                false => "white, as deviations and intervals assume",
+            };
+            return (!tested.is_empty()).then(|| assumed.to_owned());
         };
         let count = tested.iter().filter(of).count();
         let where_ = if tested.len() > 1 { format!(" in {count} of {} outputs", tested.len()) } else { String::new() };
@@ -293,6 +389,9 @@ impl ModelFacts<'_> {
     /// What to use the model for.
     fn verdict(&self) -> String {
         let Self { identification, evidence, modes, .. } = *self;
+        if self.is_predicted_only() {
+            return "unstable: use its poles and one-step prediction, not its output".to_owned();
+        }
         let holds: Vec<bool> = evidence.iter().filter_map(|evidence| evidence.holds_on_unseen).collect();
         if holds.contains(&false) {
             return "do not use it: unseen samples contradict it".to_owned();
@@ -312,6 +411,8 @@ impl ModelFacts<'_> {
         });
         let use_it = if is_unstable {
             "unstable: it describes this window alone"
+        } else if modes.other_poles.iter().any(|pole| pole.kind == OtherPoleKindV1::Cancelled) {
+            "zeros cancel poles: use its output, or fewer poles"
         } else if modes.modes.is_empty() {
             "no pole is a mode: use its output, not its poles"
         } else if !has_known_mode {

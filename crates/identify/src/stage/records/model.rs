@@ -1,5 +1,7 @@
 //! One fitted model of any method: its records, its simulated outputs, its lines on the screen.
 
+use std::f64::consts::PI;
+
 use crumple_numerics::lti::{InputHold, StateSpace, to_continuous};
 use crumple_signal::{Note, Notes, Sampled, Severity};
 use crumple_stage::Output;
@@ -7,17 +9,21 @@ use crumple_stage::records::{
     EvidenceV1, ExponentialSumV1, ExponentialTermV1, IdentificationV1, ShapesV1, StateSpaceV1, TransferFunctionV1,
 };
 use crumple_sysid::{
-    Bootstrap, IdentifyError, IoData, NoiseModel, Sample, continued, fit_measures, simulate_fitted, weak_fit,
+    Bootstrap, IdentifyError, IoData, NoiseModel, Sample, continued, fit_measures, line_loss, simulate_fitted,
+    unseen_squares, weak_fit,
 };
 use nalgebra::DMatrix;
 
 use crate::stage::options::choices::Method;
 use crate::stage::options::settings::BootstrapSettings;
-use crate::stage::records::evidence::{Poles, simulation_evidence, without_simulation};
+use crate::stage::records::evidence::{Poles, add_to_gains, simulation_evidence, without_simulation};
 use crate::stage::records::lines;
 use crate::stage::records::responses::{Band, IntervalTask, ModelResponses, note_limits, zeros_of};
 use crate::stage::records::results::Results;
 use crate::stage::waves::{Record, WindowedWave};
+
+/// Share of an amplitude below which no loss is said: calibrations of sensors leave as much open (ISO 16063-21).
+const LEAST_LOSS: f64 = 0.005;
 
 /// What a reader of the model of an impulse response must know of its input.
 pub const IMPULSE: &str = "unit impulse (the record taken as Markov parameters)";
@@ -141,13 +147,14 @@ impl FittedModel<'_> {
             self.validate();
         }
         let mut evidence = std::mem::take(&mut self.evidence);
+        let loses_in_lines = self.put_line_loss(&mut evidence);
         self.poles.keep_those_of_modes(&mut evidence);
         self.poles.take_window_off(&mut evidence);
         let mut identification = self.identification();
         if ambient {
             without_simulation(&mut identification, &mut evidence);
         }
-        let contradiction = results.enter(self.id, &identification, &mut evidence)?;
+        let contradiction = results.enter(self.id, &identification, &mut evidence, self.unseen_squares())?;
         let own = std::mem::take(&mut self.notes);
         let notes: Vec<Note> = contradiction.into_iter().chain(own.iter().cloned()).collect();
         identification.notes = notes.iter().map(Note::to_string).collect();
@@ -160,10 +167,50 @@ impl FittedModel<'_> {
             modes: &modes,
             forms: &self.forms,
             zeros: &self.responses.zeros,
+            loses_in_lines,
         };
         of_model.lines(&warnings).into_iter().for_each(|line| results.out.summary(line));
         results.out.notes().extend(own);
         Ok(())
+    }
+
+    /// Where straight lines between the samples of an input lose more than the record leaves open, the deviations of
+    /// gains hold that too, and a warning says so: `d² + (loss b)²`.
+    ///
+    /// The record leaves open `sqrt(V/(N y²))` of a gain, `V` the mean square of the errors, `y²` that of the output,
+    /// `N` independent samples.
+    fn put_line_loss(&mut self, evidence: &mut [EvidenceV1]) -> bool {
+        let losses = self.inputs.iter().filter_map(|wave| Some((wave, line_loss(wave.sampled.samples())?)));
+        let worst = losses.reduce(|worst, next| if next.1.share > worst.1.share { next } else { worst });
+        let Some((input, loss)) = worst.filter(|_| self.hold == Some(InputHold::First)) else {
+            return false;
+        };
+        let left_open = |(evidence, wave): (&EvidenceV1, &WindowedWave)| {
+            let samples = wave.sampled.samples();
+            let square = samples.iter().map(|y| y * y).sum::<f64>() / samples.len() as f64;
+            Some((evidence.loss? / (evidence.effective_samples? * square)).sqrt())
+        };
+        let open = evidence.iter().zip(self.outputs).filter_map(|(e, wave)| left_open((e, wave)));
+        let open = open.reduce(f64::min).map(|open| open.max(LEAST_LOSS));
+        let Some(open) = open.filter(|open| loss.share > *open) else { return false };
+        let fitted = self.forms.paths.iter().filter(|_| self.forms.is_transfer_function);
+        for (output_evidence, paths) in evidence.iter_mut().zip(fitted) {
+            add_to_gains(output_evidence, paths, loss.share);
+        }
+        let dt_s = input.sampled.dt_s();
+        // (x²)/3 of the loss at x = pi/n.
+        let enough = (PI / (3.0 * open).sqrt()).ceil();
+        self.notes.warning(format!(
+            "{}: straight lines between the samples of {} lose {:.1} % of its amplitude ({:.1} samples a period at \
+             {} Hz), and gains are too high by as much. Deviations of gains hold it, those of poles do not: sample \
+             {enough:.0} times a period",
+            self.id,
+            input.id,
+            100.0 * loss.share,
+            loss.cycles_per_sample.recip(),
+            lines::digits(loss.cycles_per_sample / dt_s),
+        ));
+        true
     }
 
     /// What it answers with, in words.
@@ -280,9 +327,19 @@ impl FittedModel<'_> {
         Ok(())
     }
 
+    /// Squares of its errors on the kept samples, by which models are compared.
+    fn unseen_squares(&self) -> Vec<f64> {
+        let kept: Vec<Vec<f64>> = self.outputs.iter().map(|wave| wave.kept.clone()).collect();
+        let unseen = self.simulated.unseen();
+        if unseen.len() == kept.len() { unseen_squares(&kept, unseen) } else { Vec::new() }
+    }
+
     /// Fits of the kept samples, run on and with the start fitted.
     fn validate(&mut self) {
         let Self { outputs, simulated, evidence, .. } = self;
+        if simulated.used.is_empty() {
+            return;
+        }
         for (i, (wave, evidence)) in outputs.iter().zip(evidence).enumerate() {
             let fit_of = |all: &[Vec<f64>]| fit_measures(&wave.kept, all.get(i)?).and_then(|fit| fit.fit_percent);
             evidence.validation_from_s = wave.kept_from_s();
@@ -300,7 +357,9 @@ impl FittedModel<'_> {
             .zip(&self.simulated.used)
             .map(|(wave, yh)| fit_measures(wave.sampled.samples(), yh))
             .collect();
-        let percent: Vec<Option<f64>> = fits.iter().map(|fit| fit.and_then(|fit| fit.fit_percent)).collect();
+        let mut percent: Vec<Option<f64>> = fits.iter().map(|fit| fit.and_then(|fit| fit.fit_percent)).collect();
+        // A model that is not simulated has no fit.
+        percent.resize(self.outputs.len(), None);
         let single = self.outputs.len() == 1;
         let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         IdentificationV1 {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crumple_signal::{About, Note, Notes, Weight};
 use crumple_stage::Output;
 use crumple_stage::records::{EvidenceV1, IdentificationV1, RecommendedBecauseV1, SelectionModelV1, SelectionV1};
-use crumple_sysid::{Contender, OnUnseen, Ranked, Recommendable, Selection, recommended, select};
+use crumple_sysid::{Contender, OnUnseen, Ranked, Recommendable, Selection, left_by_unseen, recommended, select};
 
 /// The artifact, and what every model of the run is entered into.
 pub struct Results<'a> {
@@ -57,8 +57,9 @@ impl<'a> Results<'a> {
         id: &str,
         model: &IdentificationV1,
         evidence: &mut [EvidenceV1],
+        unseen_squares: Vec<f64>,
     ) -> anyhow::Result<Option<Note>> {
-        self.comparison.enter(id, model, evidence);
+        self.comparison.enter(id, model, evidence, unseen_squares);
         let single = evidence.len() == 1;
         let mut fits = if single { vec![model.fit_percent] } else { model.output_fits_percent.clone() };
         // An ambient record has no fits.
@@ -95,23 +96,31 @@ impl<'a> Results<'a> {
 #[derive(Default)]
 pub struct Comparison(BTreeMap<(String, u64), Vec<Contender>>);
 
-/// The id of the model to use, and of the one with the smallest BIC where that was passed over.
-fn best_of(selection: &Selection) -> Option<(String, Option<String>)> {
+/// Standard errors of the difference by which a model may follow unseen samples worse than the best.
+const ONE_ERROR: f64 = 1.0;
+
+/// The id of the model to use, and of the one with the smallest BIC where that was passed over: among those that unseen
+/// samples leave, where there are any.
+fn best_of(selection: &Selection, contenders: &[Contender]) -> Option<(String, Option<String>)> {
+    let left = left_by_unseen(contenders, ONE_ERROR);
     let model = |Ranked { contender, bic_difference, .. }: &Ranked| Recommendable {
         id: contender.id.clone(),
         order: contender.order,
         bic: *bic_difference,
         validation_percent: contender.restarted_fit_percent,
     };
-    let models: Vec<Recommendable> = selection.ranked.iter().map(model).collect();
-    recommended(&models).map(|(best, passed_over)| (best.id.clone(), passed_over.map(|model| model.id.clone())))
+    let is_left = |ranked: &&Ranked| left.iter().any(|contender| contender.id == ranked.contender.id);
+    let models: Vec<Recommendable> = selection.ranked.iter().filter(is_left).map(model).collect();
+    let best = recommended(&models)?.0.id.clone();
+    let passed_over = Some(selection.best_by_bic.clone()).filter(|other| *other != best);
+    Some((best, passed_over))
 }
 
 impl Comparison {
     /// The number of states of the model to use of the first output, or of its only one.
     fn order(&self) -> Option<usize> {
         let contenders = self.0.values().next()?;
-        let id = select(contenders).and_then(|selection| Some(best_of(&selection)?.0));
+        let id = select(contenders).and_then(|selection| Some(best_of(&selection, contenders)?.0));
         contenders.iter().find(|contender| id.as_ref().is_none_or(|id| contender.id == *id)).map(|best| best.order)
     }
 
@@ -120,7 +129,7 @@ impl Comparison {
     /// Of several outputs the losses are multiplied (their geometric mean is taken) and the independent samples added:
     /// the likelihood of noises that are independent of each other. Such models are compared among themselves, for
     /// their parameters serve all outputs.
-    pub fn enter(&mut self, id: &str, model: &IdentificationV1, evidence: &[EvidenceV1]) {
+    pub fn enter(&mut self, id: &str, model: &IdentificationV1, evidence: &[EvidenceV1], unseen_squares: Vec<f64>) {
         let Some(first) = evidence.first() else { return };
         let known: Vec<(f64, f64)> = evidence.iter().filter_map(|s| Some((s.loss?, s.effective_samples?))).collect();
         if known.len() < evidence.len() {
@@ -141,6 +150,7 @@ impl Comparison {
             loss,
             effective_samples: known.iter().map(|(_, effective)| effective).sum(),
             validation_fit_percent: validations.and_then(|fits| fits.into_iter().reduce(f64::min)),
+            unseen_squares,
         });
     }
 
@@ -166,7 +176,7 @@ impl Comparison {
                     selection.effective_samples
                 ));
             }
-            let best = best_of(&selection);
+            let best = best_of(&selection, &contenders);
             if let Some((id, passed_over)) = &best {
                 let why = match passed_over {
                     Some(other) => format!("follows unseen samples better than {other}, which has the smallest BIC"),

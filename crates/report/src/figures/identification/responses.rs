@@ -43,7 +43,8 @@ pub fn figure(run: &Run) -> Option<Figure> {
     let mut hidden = 0;
     for (place, (model, response)) in models.iter().enumerate() {
         let has_same_units = response.output == first.output && response.impulse_of == first.impulse_of;
-        let shown = has_same_units && peak(&response.impulse) <= GROWN * least;
+        let is_like_the_others = has_same_units && peak(&response.impulse) <= GROWN * least;
+        let shown = is_like_the_others || run.is_recommended(&model.id);
         hidden += usize::from(!shown);
         if shown {
             settled_s = settled_s.max(settles(&response.time_s, &response.impulse));

@@ -28,13 +28,15 @@ fn channels(run: &Run) -> Vec<&str> {
     all
 }
 
-/// Models in the order of being shown: those that hold first, then by the fit that counts.
+/// Models in the order of being shown: the recommended first, then those that hold, then by the fit that counts.
 pub fn order(run: &Run) -> Vec<usize> {
     let mut order: Vec<usize> = (0..run.models.len()).collect();
     let counts = |model: &Model| model.unseen_fit_percent().or(model.fit_percent()).unwrap_or(f64::NEG_INFINITY);
     order.sort_by(|a, b| {
         let (a, b) = (&run.models[*a], &run.models[*b]);
-        b.holds().cmp(&a.holds()).then(counts(b).total_cmp(&counts(a)))
+        let is_recommended = |model: &Model| run.is_recommended(&model.id);
+        let by_fit = b.holds().cmp(&a.holds()).then(counts(b).total_cmp(&counts(a)));
+        is_recommended(b).cmp(&is_recommended(a)).then(by_fit)
     });
     order
 }

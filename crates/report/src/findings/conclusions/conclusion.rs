@@ -94,8 +94,7 @@ pub struct Conclusion {
 }
 
 impl Conclusion {
-    /// How many numbers of the recommended model are determined, to an order of magnitude, open: `3 of 5 determined, 2
-    /// open`.
+    /// How many numbers of the recommended model are determined, rough, open: `3 of 5 determined, 2 open`.
     pub(crate) fn certainty(&self) -> Option<String> {
         let texts = &PHRASES.runs;
         let counts = [("determined", self.determined?.to_string()), ("parameters", self.parameters?.to_string())];
@@ -388,7 +387,7 @@ impl<'a> Text<'a> {
         Some(fill(phrases.changed, &[("change", change), ("time", time), peak, olc, stroke]))
     }
 
-    /// The identified model that follows the record closest.
+    /// The recommended identified model, else the one that follows the record closest.
     fn identified(&mut self) -> String {
         let phrases = &PHRASES.conclusion;
         if let Some(ambient) = self.run.ambient() {
@@ -418,7 +417,8 @@ impl<'a> Text<'a> {
             });
             fill(phrases.mode, &[("frequency", &w), ("damping", &damping)])
         });
-        fill(phrases.identified, &[("model", &model.id), ("fit", &fit), ("unseen", &unseen), ("mode", &mode)])
+        let text = if self.run.is_recommended(&model.id) { phrases.identified_chosen } else { phrases.identified };
+        fill(text, &[("model", &model.id), ("fit", &fit), ("unseen", &unseen), ("mode", &mode)])
     }
 
     /// The modes of an ambient record, the slowest first.
@@ -426,8 +426,7 @@ impl<'a> Text<'a> {
         let phrases = &PHRASES.conclusion;
         let mut all: Vec<f64> = diagram.clusters.iter().map(|c| c.natural_frequency_rad_per_s).collect();
         all.sort_by(f64::total_cmp);
-        let in_hz = |rad_per_s: &f64| words::quantity(rad_per_s / std::f64::consts::TAU, 2, "Hz");
-        let shown: Vec<String> = all.iter().map(in_hz).collect();
+        let shown: Vec<String> = all.iter().map(|w| words::quantity(w / std::f64::consts::TAU, 2, "Hz")).collect();
         let modes = if shown.is_empty() { phrases.no_mode.to_owned() } else { shown.join(", ") };
         fill(phrases.ambient, &[("modes", modes)])
     }

@@ -90,6 +90,15 @@ pub const RULES: &[Rule] = &[
     says("note.impulse-response", "{method}: {channel} is treated as an impulse response; {more}", &[], |_, spot| {
         holds(spot.made.known.subject != Subject::InputOutput, || "it has an input".to_owned())
     }),
+    says("note.cancelled", "{id}: zeros cancel the poles at {places}: they are no modes. {more}", &[], is_identified),
+    says("note.line-loss", "{id}: straight lines between the samples of {input} lose {more}", &[], is_identified),
+    says("note.grows", "{id}: the model grows by a factor {factor} per sample and {more}", &[], is_identified),
+    says("note.staircase", "{input} stands still between its jumps{more}", &[], |_, spot| {
+        holds(spot.made.known.subject == Subject::InputOutput, || "it has no input".to_owned())
+    }),
+    says("note.harmonic", "ambient: {hz} Hz is a harmonic line, {more}", &[], |_, spot| {
+        holds(spot.made.known.subject == Subject::InputOutput, || "it is a crash".to_owned())
+    }),
     // Parameter-solve.
     says(
         "note.no-kelvin",

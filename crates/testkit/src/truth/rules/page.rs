@@ -347,6 +347,11 @@ pub const VEHICLE_RULES: &[Rule] = &[
         &[("fit", Number), ("unseen", Inner(&["conclusion.unseen"])), ("mode", Inner(&["conclusion.mode"]))],
         identified,
     ),
+    rule(
+        "conclusion.identified_chosen",
+        &[("fit", Number), ("unseen", Inner(&["conclusion.unseen"])), ("mode", Inner(&["conclusion.mode"]))],
+        identified,
+    ),
     rule("conclusion.unseen", &[("fit", Number)], numbers_of_records),
     rule("conclusion.identified_fails", &[("fit", Number), ("unseen", Inner(&["conclusion.unseen"]))], identified),
     rule("conclusion.ambient", &[("modes", Words)], ambient_modes),
