@@ -5,7 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde_json::{Map, Value};
 
 use crate::differences::{Difference, TopicReport};
-use crate::tolerances::{Candidate, Unit, same_ranking};
+use crate::ranking::same_ranking;
+use crate::tolerances::{Candidate, Unit};
 use crate::{Base, CompareSettings, Tolerance};
 
 // Records: two JSON values, walked side by side.

@@ -9,6 +9,7 @@ mod differences;
 mod error;
 mod json;
 mod print;
+mod ranking;
 mod tolerances;
 
 pub use artifact::{compare_artifacts, open_candidates};

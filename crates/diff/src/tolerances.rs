@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crumple_artifact::records::CandidateV1;
 use crumple_artifact::topic_matches;
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -18,7 +19,7 @@ const SHARE_OF_DEVIATION: f64 = 0.01;
 const SHARE_BESIDE_OPEN: f64 = 0.1;
 
 /// Two fits closer than this, in percentage points, are called equally good, as for the best model of a run.
-const EQUAL_FIT_POINTS: f64 = 0.1;
+pub(crate) const EQUAL_FIT_POINTS: f64 = 0.1;
 
 /// What two sides of one candidate say about how well the record determines it.
 #[derive(Debug)]
@@ -33,16 +34,17 @@ pub(crate) struct Candidate {
 impl Candidate {
     /// Two records with parameters and their uncertainty; `None` for anything else.
     pub(crate) fn from_records(place: &str, a: &Map<String, Value>, b: &Map<String, Value>) -> Option<Self> {
-        let names = a.get("parameters")?.as_object()?.keys();
-        let (known_a, known_b) = (a.get("uncertainty")?.as_object()?, b.get("uncertainty")?.as_object()?);
-        let deviations = names
-            .filter_map(|name| {
-                if open(a, known_a, name) || open(b, known_b, name) {
-                    return Some((name.clone(), f64::INFINITY));
-                }
-                Some((name.clone(), deviation(known_a, name)?.min(deviation(known_b, name)?)))
-            })
-            .collect();
+        let sides = [candidate_of(a)?, candidate_of(b)?];
+        let deviation = |side: &CandidateV1, name: &str| match side.doubt(name) {
+            Some(_) => Some(f64::INFINITY),
+            None => side.uncertainty.as_ref()?.standard_deviation.get(name).copied(),
+        };
+        let smaller = |name: &String| {
+            let [a, b] = sides.each_ref().map(|side| deviation(side, name));
+            let is_open = [a, b].contains(&Some(f64::INFINITY));
+            Some((name.clone(), if is_open { f64::INFINITY } else { a?.min(b?) }))
+        };
+        let deviations = sides[0].parameters.keys().filter_map(smaller).collect();
         Some(Self { place: place.to_owned(), deviations })
     }
 
@@ -86,38 +88,18 @@ fn of_open_simulation(place: &str, unit: Option<Unit>) -> Tolerance {
     }
 }
 
-/// Whether two rankings of a summary differ only in the order of candidates that are equally good on both sides: fits
-/// within 0.1 points, or criteria within 2 (Burnham and Anderson 2002, section 2.6).
-pub(crate) fn same_ranking(key: &str, a: &Map<String, Value>, b: &Map<String, Value>) -> bool {
-    let (figures, equal) = match key {
-        "ranking" => (&["simulation/fit_as_measured_percent", "simulation/fit_percent"][..], EQUAL_FIT_POINTS),
-        "ranking_by_aicc" => (&["difference_with_priors"][..], 2.0),
-        _ => return false,
-    };
-    let ids = |side: &Map<String, Value>| -> Option<Vec<String>> {
-        side.get(key)?.as_array()?.iter().map(|id| id.as_str().map(str::to_owned)).collect()
-    };
-    let figure_of = |side: &Map<String, Value>, id: &str| {
-        let candidate = side.get("candidates")?.as_array()?.iter().find(|candidate| candidate["id"] == id)?;
-        figures.iter().find_map(|figure| candidate.pointer(&format!("/{figure}"))?.as_f64())
-    };
-    let apart = |side, x: &str, y: &str| Some((figure_of(side, x)? - figure_of(side, y)?).abs());
-    let tied = |x: &str, y: &str| [a, b].into_iter().all(|side| apart(side, x, y).is_some_and(|d| d <= equal));
-    let (Some(first), Some(second)) = (ids(a), ids(b)) else { return false };
-    let set = |list: &[String]| list.iter().cloned().collect::<BTreeSet<_>>();
-    set(&first) == set(&second) && first.iter().zip(&second).all(|(x, y)| x == y || tied(x, y))
-}
-
-fn deviation(known: &Map<String, Value>, name: &str) -> Option<f64> {
-    known.get("standard_deviation")?.get(name)?.as_f64()
-}
-
-/// Not determined: a standard deviation as large as the value, or an interval open at both ends.
-fn open(candidate: &Map<String, Value>, known: &Map<String, Value>, name: &str) -> bool {
-    let value = candidate.get("parameters").and_then(|all| all.get(name)).and_then(Value::as_f64);
-    let large = deviation(known, name).zip(value).is_some_and(|(d, value)| d >= value.abs());
-    let ends = ["interval_low", "interval_high"];
-    large || ends.iter().all(|end| known.get(*end).and_then(|all| all.get(name)).is_some_and(Value::is_null))
+/// The parts of a record that say how well its parameters are known: the record itself judges by them
+/// ([`CandidateV1::doubt`]). `None` for a record without uncertainty.
+fn candidate_of(record: &Map<String, Value>) -> Option<CandidateV1> {
+    let part = |key: &str| record.get(key).cloned().unwrap_or_default();
+    let mut uncertainty = part("uncertainty");
+    uncertainty.as_object_mut()?.entry("method").or_insert_with(|| "".into());
+    Some(CandidateV1 {
+        parameters: serde_json::from_value(part("parameters")).ok()?,
+        uncertainty: serde_json::from_value(uncertainty).ok()?,
+        fit: serde_json::from_value(part("fit")).unwrap_or_default(),
+        ..CandidateV1::default()
+    })
 }
 
 // Tolerances as a user writes them: TOML, one line a pattern.

@@ -9,8 +9,7 @@ use std::sync::LazyLock;
 
 use crumple_lumped::{CoefficientMatching, DoubleSpringMassDamper, Model, ModelKind, Reading};
 use crumple_lumped_fit::{
-    FireflyOptions, FireflyUnits, MassSplit, SingleMassFitOptions, SolveSettings, TestData, firefly_nonlinear2,
-    fit_nonlinear1, search_nonlinear2, solve,
+    FireflyOptions, FireflyUnits, MassSplit, SingleMassFitOptions, SolveSettings, TestData, solve,
 };
 use crumple_signal::{Notes, Signal};
 use crumple_testkit::benchmark::{Figure, best_s, memory_pass_s};
@@ -47,12 +46,12 @@ fn main() {
         samples: 250,
     };
     figure("nonlinear II, all ten parameters to 1e-6, default method", || {
-        black_box(search_nonlinear2(&x, &options).unwrap());
+        black_box(options.search_nonlinear2(&x).unwrap());
     })
     .aim(0.2, "scipy 1.7 s")
     .print();
     figure("nonlinear I with side constraints, a record it does not meet", || {
-        black_box(fit_nonlinear1(&x, &options, true).unwrap());
+        black_box(options.fit_nonlinear1(&x, true).unwrap());
     })
     .print();
     let test = TestData {
@@ -101,12 +100,12 @@ fn main() {
             .map(|seed| {
                 let search = FireflyOptions { units, seed, ..FireflyOptions::default() };
                 let options = SingleMassFitOptions { samples: 60, ..options };
-                1e3 * firefly_nonlinear2(&x, &options, &search).unwrap().fit.rmse
+                1e3 * options.firefly_nonlinear2(&x, &search).unwrap().fit.rmse
             })
             .collect();
         errors.sort_by(f64::total_cmp);
         println!("firefly {name}: median {:.2} mm, {:.2} to {:.2} mm over 20 seeds", errors[10], errors[0], errors[19]);
     }
-    let (_, fit) = search_nonlinear2(&x, &options).unwrap();
+    let (_, fit) = options.search_nonlinear2(&x).unwrap();
     println!("default method: {:.1e} mm, {} evaluations", 1e3 * fit.rmse, fit.evaluations);
 }

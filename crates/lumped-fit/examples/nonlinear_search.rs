@@ -4,10 +4,8 @@
 
 use anyhow::Context;
 use crumple_lumped::{Instants, Model, ModelKind, Nonlinear2};
-use crumple_lumped_fit::{
-    FireflyOptions, FireflyUnits, LShadeOptions, Method, SingleMassFitOptions, SolveSettings, TestData,
-    firefly_nonlinear2, search_nonlinear2, solve,
-};
+use crumple_lumped_fit::{FireflyOptions, FireflyUnits, Method, SingleMassFitOptions, SolveSettings, TestData, solve};
+use crumple_numerics::estimation::minimise::l_shade::LShadeOptions;
 use crumple_numerics::estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
 use crumple_numerics::estimation::random::RandomNumbers;
 use crumple_signal::{Displacement, Notes, Signal};
@@ -99,7 +97,7 @@ fn rows(truth: &Model) -> anyhow::Result<Vec<Row>> {
         sensors: &[],
     };
     let mut rows = Vec::new();
-    let (_, fit) = search_nonlinear2(&x, &options)?;
+    let (_, fit) = options.search_nonlinear2(&x)?;
     rows.push(Row {
         name: "`direct-fit` (default)",
         evaluations: vec![fit.evaluations],
@@ -140,7 +138,7 @@ fn rows(truth: &Model) -> anyhow::Result<Vec<Row>> {
         let mut row = Row { name, evaluations: vec![], errors_mm: vec![] };
         for seed in 1..=SEEDS {
             let search = FireflyOptions { units, beta0, seed, ..FireflyOptions::default() };
-            let fit = firefly_nonlinear2(&x, &options, &search)?.fit;
+            let fit = options.firefly_nonlinear2(&x, &search)?.fit;
             row.evaluations.push(fit.evaluations);
             row.errors_mm.push(1e3 * fit.rmse);
         }

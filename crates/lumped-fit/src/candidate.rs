@@ -10,10 +10,11 @@ use crumple_numerics::estimation::work::Work;
 use crumple_signal::Note;
 use nalgebra::DMatrix;
 
+use crate::closed_form::unloads_rigidly;
 use crate::coordinates::Coordinates;
 use crate::parameters::{FitParameter, mass_of};
-use crate::record::observation::{MOST_WORK, Observation};
-use crate::{FitQuantity, ObservedWave, SensorFit};
+use crate::record::observation::{MOST_WORK, Observation, ObservedWave};
+use crate::record::sensor::{FitQuantity, SensorFit, SensorPlace, errors_in_words, note_of_errors};
 
 /// How parameters are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -46,18 +47,18 @@ const TABLE: [(Method, &str, &str); 7] = [
     (Method::InteriorPoint, "interior-point", "side constraints as in the single-mass paper"),
 ];
 
-/// All methods.
-pub const METHODS: [Method; TABLE.len()] = {
-    let mut methods = [Method::ClosedForm; TABLE.len()];
-    let mut k = 0;
-    while k < TABLE.len() {
-        methods[k] = TABLE[k].0;
-        k += 1;
-    }
-    methods
-};
-
 impl Method {
+    /// All methods.
+    pub const ALL: [Self; TABLE.len()] = {
+        let mut methods = [Self::ClosedForm; TABLE.len()];
+        let mut k = 0;
+        while k < TABLE.len() {
+            methods[k] = TABLE[k].0;
+            k += 1;
+        }
+        methods
+    };
+
     /// The name in candidate ids and pipeline files.
     pub const fn name(self) -> &'static str {
         TABLE[self as usize].1
@@ -79,10 +80,10 @@ impl FromStr for Method {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        METHODS
+        Self::ALL
             .into_iter()
             .find(|m| m.name() == text)
-            .ok_or_else(|| format!("unknown method {text:?}, expected one of {}", METHODS.map(Self::name).join(", ")))
+            .ok_or_else(|| format!("unknown method {text:?}, expected one of {}", Self::ALL.map(Self::name).join(", ")))
     }
 }
 
@@ -239,6 +240,16 @@ impl Candidate {
         self.stated.as_deref().unwrap_or(self.method.name())
     }
 
+    /// Names of its parameters in words, separated by commas: see [`in_words`].
+    pub fn in_words<'a>(&self, names: impl IntoIterator<Item = &'a str>) -> String {
+        all_in_words(&self.model, names)
+    }
+
+    /// Whether it unloads along the line that stands for a rigid one, which is no number of the record.
+    pub fn unloads_rigidly(&self) -> bool {
+        self.method == Method::ClosedForm && matches!(&self.model, Model::Elastoplastic(m) if unloads_rigidly(m))
+    }
+
     /// Whether it is compared through the filter of its record.
     pub fn is_as_measured(&self) -> bool {
         self.minimum.as_ref().is_some_and(|minimum| minimum.observed.is_as_measured())
@@ -309,6 +320,15 @@ impl Fit {
     }
 }
 
+impl Fit {
+    /// The remark on the root mean square error of each sensor, which sit on these places in their order.
+    pub fn errors_remark(&self, places: impl IntoIterator<Item = SensorPlace>) -> String {
+        let errors = self.sensors.iter().zip(places);
+        let errors = errors.map(|(fit, place)| (fit.rmse, fit.quantity, fit.channel.as_str(), place.to_string()));
+        note_of_errors(&errors_in_words(errors), None)
+    }
+}
+
 /// Standard deviations to first order that a method brings along.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Uncertainty {
@@ -326,7 +346,7 @@ pub struct Uncertainty {
 ///
 /// Zero is the limit of what is physical, and an answer: a damper of zero is a spring alone. Any other bound is that
 /// of the search: the value is the bound's and nothing of the record.
-pub fn bounds_remark(model: &Model, active_bounds: &[impl AsRef<str>]) -> Option<String> {
+pub(crate) fn bounds_remark(model: &Model, active_bounds: &[impl AsRef<str>]) -> Option<String> {
     let names = active_bounds.iter().map(AsRef::as_ref);
     let (zero, other): (Vec<&str>, Vec<&str>) = names.partition(|name| model.value(name) == Some(0.0));
     let zero = (!zero.is_empty()).then(|| format!("zero, the lowest possible value: {}", all_in_words(model, zero)));
@@ -362,7 +382,7 @@ pub(crate) fn fixed_at_bound<'a>(model: &Model, on_bound: &'a [impl AsRef<str>],
 ///
 /// A value at a knot of a nonlinear model is named with the place of its knot, m or m/s: the first spring knot is at
 /// contact, the first damper knot at rest. A name that the model does not have is given without its unit.
-pub fn in_words(model: &Model, name: &str) -> String {
+pub(crate) fn in_words(model: &Model, name: &str) -> String {
     let parameter = model.kind().parameter(name);
     let kind = parameter.map(|parameter| parameter.kind).or_else(|| parameter_kind("", name));
     let Some(kind) = kind else { return name.replace('_', " ") };
@@ -417,7 +437,7 @@ pub fn in_words(model: &Model, name: &str) -> String {
 }
 
 /// Several of these names, separated by commas.
-pub fn all_in_words<'a>(model: &Model, names: impl IntoIterator<Item = &'a str>) -> String {
+pub(crate) fn all_in_words<'a>(model: &Model, names: impl IntoIterator<Item = &'a str>) -> String {
     names.into_iter().map(|name| in_words(model, name)).collect::<Vec<_>>().join(", ")
 }
 
@@ -525,7 +545,7 @@ mod tests {
 
     #[test]
     fn the_table_follows_the_variants() {
-        for (k, method) in METHODS.into_iter().enumerate() {
+        for (k, method) in Method::ALL.into_iter().enumerate() {
             assert_eq!(method as usize, k);
             assert_eq!(method.name().parse(), Ok(method));
         }

@@ -14,12 +14,14 @@ use crumple_lumped::{Chain, DoubleSpringMassDamper, LumpedError, Model, Paramete
 use crumple_numerics::estimation::minimise::levenberg_marquardt::Optimum;
 use serde::Serialize;
 
+use crate::candidate::{Candidate, Fit, Method};
 use crate::coordinates::{Coordinates, DAMPER_BOUNDS, DAMPER_STARTS, SPRING_BOUNDS, SPRING_STARTS};
+use crate::error::SolveError;
 use crate::fit::as_measured::finish;
 use crate::fit::problem::Problem;
 use crate::fit::search::{AS_GOOD, REPORTED, Search, all, bounds, distinct, search};
 use crate::parameters::{FitParameter, Map};
-use crate::{Candidate, Fit, Method, Observation, SolveError};
+use crate::record::observation::Observation;
 
 /// A number that is given or to be found. Masses in kg, stiffness in N/m, damping in N·s/m.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -347,101 +349,105 @@ const WORTH_ANOTHER: f64 = 1e-3;
 /// Coordinates of the logarithms that differ by less are those of one set.
 const SAME: f64 = 0.01;
 
-/// Fits the free numbers of a chain to waves, each of a mass by its index from the barrier on (`None`: the last).
-///
-/// Weighted least squares of the logarithms within bounds, by Levenberg-Marquardt on analytic sensitivities, from the
-/// stated start and from Halton points, at least six for each free number. The weight of a wave is that of its noise
-/// level, `1/s_w`, `s_w` the root mean square residual of the wave, found in turn with the fit.
-///
-/// The minima are followed to those of the misfit as measured: after sampling, filter and integration, where these are
-/// known.
-///
-/// Candidates come best first, each with its dual next to it, the softer first spring first. At most three sets within
-/// 1 % of the least weighted error are reported. Their fits have a sensor for each wave, without the name of its
-/// channel. Deterministic for any number of threads. A global minimum is likely, not proven.
-///
-/// Errors: a chain without meaning, a wave of a mass that the chain does not have, no start with a finite response.
-pub fn fit_chain(stated: &StatedChain, observed: &Observation, starts: usize) -> Result<Vec<Candidate>, SolveError> {
-    let masses = stated.elements.len();
-    let length_s = observed.waves.iter().map(|w| w.time_s(w.samples.len() - 1)).fold(0.0, f64::max);
-    if length_s <= 0.0 {
-        return Err(SolveError::Value { name: "number of waves", value: 0.0, expected: "one or more" });
-    }
-    let coordinates = ChainCoordinates::new(stated, length_s)?;
-    let index = |mass: Option<usize>| mass.unwrap_or(masses - 1);
-    if let Some(strange) = observed.waves.iter().map(|wave| index(wave.mass)).find(|mass| *mass >= masses) {
-        return Err(SolveError::Value {
-            name: "number of a mass with a sensor",
-            value: (strange + 1) as f64,
-            expected: "a mass of the chain",
-        });
-    }
-    let starts = starts.max(6 * coordinates.numbers.free.len());
-    let how = Search::Starts(starts, vec![coordinates.numbers.start()]);
-    let searched = search(&coordinates.numbers, observed, &how).ok_or(SolveError::NoFit { starts })?;
-    let mut waves = observed.clone();
-    for (wave, found) in waves.waves.iter_mut().zip(&searched.observed.waves) {
-        wave.weight = found.weight;
-    }
-    let (mut minima, mut evaluations) = (searched.minima, searched.evaluations);
-    for _ in 0..WEIGHINGS {
+impl StatedChain {
+    /// Fits the free numbers of a chain to waves, each of a mass by its index from the barrier on (`None`: the last).
+    ///
+    /// Weighted least squares of the logarithms within bounds, by Levenberg-Marquardt on analytic sensitivities, from
+    /// the stated start and from Halton points, at least six for each free number. The weight of a wave is that of its
+    /// noise level, `1/s_w`, `s_w` the root mean square residual of the wave, found in turn with the fit.
+    ///
+    /// The minima are followed to those of the misfit as measured: after sampling, filter and integration, where these
+    /// are known.
+    ///
+    /// Candidates come best first, each with its dual next to it, the softer first spring first. At most three sets
+    /// within 1 % of the least weighted error are reported. Their fits have a sensor for each wave, without the name of
+    /// its channel. Deterministic for any number of threads. A global minimum is likely, not proven.
+    ///
+    /// Errors: a chain without meaning, a wave of a mass that the chain does not have, no start with a finite response.
+    pub fn fit(&self, observed: &Observation, starts: usize) -> Result<Vec<Candidate>, SolveError> {
+        let masses = self.elements.len();
+        let length_s = observed.waves.iter().map(|w| w.time_s(w.samples.len() - 1)).fold(0.0, f64::max);
+        if length_s <= 0.0 {
+            return Err(SolveError::Value { name: "number of waves", value: 0.0, expected: "one or more" });
+        }
+        let coordinates = ChainCoordinates::new(self, length_s)?;
+        let index = |mass: Option<usize>| mass.unwrap_or(masses - 1);
+        if let Some(strange) = observed.waves.iter().map(|wave| index(wave.mass)).find(|mass| *mass >= masses) {
+            return Err(SolveError::Value {
+                name: "number of a mass with a sensor",
+                value: (strange + 1) as f64,
+                expected: "a mass of the chain",
+            });
+        }
+        let starts = starts.max(6 * coordinates.numbers.free.len());
+        let how = Search::Starts(starts, vec![coordinates.numbers.start()]);
+        let searched = search(&coordinates.numbers, observed, &how).ok_or(SolveError::NoFit { starts })?;
+        let mut waves = observed.clone();
+        for (wave, found) in waves.waves.iter_mut().zip(&searched.observed.waves) {
+            wave.weight = found.weight;
+        }
+        let (mut minima, mut evaluations) = (searched.minima, searched.evaluations);
+        for _ in 0..WEIGHINGS {
+            let problem = Problem::new(&coordinates.numbers, &waves, 0.0);
+            let points = minima.iter().map(|m| m.theta.clone()).collect();
+            let (next, spent) = all(&problem, points, &bounds(&coordinates.numbers, 200, 1e-12));
+            evaluations += spent;
+            minima = distinct(&coordinates.numbers, next);
+            let Some(best) = minima.first() else { break };
+            let rmse = problem.rmse(&best.theta).unwrap_or_default();
+            if !waves.weigh(&rmse, WORTH_ANOTHER) {
+                break;
+            }
+        }
+        let best = minima.first().ok_or(SolveError::NoFit { starts })?.cost;
+        minima.retain(|minimum| minimum.cost.sqrt() <= AS_GOOD * best.sqrt());
         let problem = Problem::new(&coordinates.numbers, &waves, 0.0);
-        let points = minima.iter().map(|m| m.theta.clone()).collect();
-        let (next, spent) = all(&problem, points, &bounds(&coordinates.numbers, 200, 1e-12));
-        evaluations += spent;
-        minima = distinct(&coordinates.numbers, next);
-        let Some(best) = minima.first() else { break };
-        let rmse = problem.rmse(&best.theta).unwrap_or_default();
-        if !waves.weigh(&rmse, WORTH_ANOTHER) {
-            break;
-        }
-    }
-    let best = minima.first().ok_or(SolveError::NoFit { starts })?.cost;
-    minima.retain(|minimum| minimum.cost.sqrt() <= AS_GOOD * best.sqrt());
-    let problem = Problem::new(&coordinates.numbers, &waves, 0.0);
-    let mut solutions: Vec<Candidate> = Vec::new();
-    let mut places: Vec<Vec<f64>> = Vec::new();
-    let mut sets = 0;
-    for minimum in &minima {
-        let known = places.iter().any(|other| other.iter().zip(&minimum.theta).all(|(a, b)| (a - b).abs() < SAME));
-        if known || sets == REPORTED {
-            continue;
-        }
-        let Some(mut primal) = solution(&problem, minimum, evaluations) else { continue };
-        sets += 1;
-        let place = solutions.len() + 1;
-        places.push(minimum.theta.clone());
-        let dual = match &primal.model {
-            Model::Chain(chain) if sees_the_last_only(&waves, masses) => dual_of(&coordinates, chain, &minimum.theta),
-            _ => None,
-        };
-        let other = match dual {
-            Some(DualOf::At(theta)) => {
-                places.push(theta.clone());
-                // What the search stopped at is the bound of the minimum: that of the other place in its dual.
-                let on_bound = coordinates.exchanged(&minimum.on_bound);
-                solution(&problem, &Optimum { theta, on_bound, ..minimum.clone() }, evaluations)
+        let mut solutions: Vec<Candidate> = Vec::new();
+        let mut places: Vec<Vec<f64>> = Vec::new();
+        let mut sets = 0;
+        for minimum in &minima {
+            let known = places.iter().any(|other| other.iter().zip(&minimum.theta).all(|(a, b)| (a - b).abs() < SAME));
+            if known || sets == REPORTED {
+                continue;
             }
-            Some(DualOf::Outside(chain)) => {
-                primal.excluded_dual = Some(chain);
-                None
-            }
-            None => None,
-        };
-        match other {
-            // The one with the softer first spring comes first, whichever was found first.
-            Some(mut other) => {
-                if first_spring(&other) < first_spring(&primal) {
-                    std::mem::swap(&mut primal, &mut other);
+            let Some(mut primal) = solution(&problem, minimum, evaluations) else { continue };
+            sets += 1;
+            let place = solutions.len() + 1;
+            places.push(minimum.theta.clone());
+            let dual = match &primal.model {
+                Model::Chain(chain) if sees_the_last_only(&waves, masses) => {
+                    dual_of(&coordinates, chain, &minimum.theta)
                 }
-                let (first, second) = (Some(place), Some(place + 1));
-                solutions.push(Candidate { index: place, equivalent_to: second, ..primal });
-                solutions.push(Candidate { index: place + 1, equivalent_to: first, ..other });
+                _ => None,
+            };
+            let other = match dual {
+                Some(DualOf::At(theta)) => {
+                    places.push(theta.clone());
+                    // What the search stopped at is the bound of the minimum: that of the other place in its dual.
+                    let on_bound = coordinates.exchanged(&minimum.on_bound);
+                    solution(&problem, &Optimum { theta, on_bound, ..minimum.clone() }, evaluations)
+                }
+                Some(DualOf::Outside(chain)) => {
+                    primal.excluded_dual = Some(chain);
+                    None
+                }
+                None => None,
+            };
+            match other {
+                // The one with the softer first spring comes first, whichever was found first.
+                Some(mut other) => {
+                    if first_spring(&other) < first_spring(&primal) {
+                        std::mem::swap(&mut primal, &mut other);
+                    }
+                    let (first, second) = (Some(place), Some(place + 1));
+                    solutions.push(Candidate { index: place, equivalent_to: second, ..primal });
+                    solutions.push(Candidate { index: place + 1, equivalent_to: first, ..other });
+                }
+                None => solutions.push(Candidate { index: place, ..primal }),
             }
-            None => solutions.push(Candidate { index: place, ..primal }),
         }
+        Ok(solutions)
     }
-    Ok(solutions)
 }
 
 /// Stiffness of the spring next to the barrier at no compression, N/m: orders a solution and its dual.

@@ -4,8 +4,7 @@ use std::f64::consts::FRAC_2_PI;
 
 use crumple_lumped::{Elastoplastic, Kelvin, Maxwell};
 
-use crate::SolveError;
-use crate::error::positive;
+use crate::error::{SolveError, positive};
 
 /// The elastoplastic model with the crush, speed and restitution of the record: `k_E = m v0²/C²`, `k_P = k_E/e²`.
 ///
@@ -58,7 +57,7 @@ pub(crate) fn elastoplastic_of_record(
 }
 
 /// Whether the unloading stiffness of a closed form is the one that stands for a rigid line.
-pub fn unloads_rigidly(model: &Elastoplastic) -> bool {
+pub(crate) fn unloads_rigidly(model: &Elastoplastic) -> bool {
     model.coefficient_of_restitution() <= RIGID_RESTITUTION * (1.0 + 1e-9)
 }
 
@@ -194,37 +193,39 @@ pub enum MaxwellExponents {
     },
 }
 
-/// Spring and damper `(k, c)` by the formulas `k = m (a² ± b²)`, `c = -k/(2a)`, whatever the signs that come out.
-///
-/// From `r² + (k/c) r + k/m = 0`; single-mass paper, equations 18 to 25. For reproduction of printed tables;
-/// [`maxwell_from_exponents`] refuses what is no Maxwell model.
-pub fn maxwell_constants(mass_kg: f64, exponents: MaxwellExponents) -> (f64, f64) {
-    let (a, stiffness) = match exponents {
-        MaxwellExponents::Complex { a_per_s: a, b_rad_per_s: b } => (a, mass_kg * (a * a + b * b)),
-        MaxwellExponents::Real { a_per_s: a, b_per_s: b } => (a, mass_kg * (a - b) * (a + b)),
-    };
-    (stiffness, -stiffness / (2.0 * a))
-}
-
-/// The Maxwell model with these exponents. Errors: a mass that is not positive, and exponents of which one does not
-/// decay: `a` not negative, or `|b|` not below `|a|` for real ones; such a fit describes a motion that grows without
-/// end, and its spring or damper would be negative.
-pub fn maxwell_from_exponents(mass_kg: f64, exponents: MaxwellExponents) -> Result<Maxwell, SolveError> {
-    let mass_kg = positive("mass_kg", mass_kg)?;
-    let slowest = match exponents {
-        MaxwellExponents::Complex { a_per_s, b_rad_per_s } if b_rad_per_s.is_finite() => a_per_s,
-        MaxwellExponents::Real { a_per_s, b_per_s } => a_per_s + b_per_s.abs(),
-        MaxwellExponents::Complex { b_rad_per_s, .. } => b_rad_per_s,
-    };
-    if !(slowest.is_finite() && slowest < 0.0) {
-        return Err(SolveError::Value {
-            name: "slowest exponent of the fit",
-            value: slowest,
-            expected: "negative: both parts must decay (|b| below |a| for real roots)",
-        });
+impl MaxwellExponents {
+    /// Spring and damper `(k, c)` by the formulas `k = m (a² ± b²)`, `c = -k/(2a)`, whatever the signs that come out.
+    ///
+    /// From `r² + (k/c) r + k/m = 0`; single-mass paper, equations 18 to 25. For reproduction of printed tables;
+    /// [`MaxwellExponents::model`] refuses what is no Maxwell model.
+    pub fn constants(self, mass_kg: f64) -> (f64, f64) {
+        let (a, stiffness) = match self {
+            Self::Complex { a_per_s: a, b_rad_per_s: b } => (a, mass_kg * (a * a + b * b)),
+            Self::Real { a_per_s: a, b_per_s: b } => (a, mass_kg * (a - b) * (a + b)),
+        };
+        (stiffness, -stiffness / (2.0 * a))
     }
-    let (stiffness_n_per_m, damping_n_s_per_m) = maxwell_constants(mass_kg, exponents);
-    Ok(Maxwell { mass_kg, stiffness_n_per_m, damping_n_s_per_m })
+
+    /// The Maxwell model with these exponents. Errors: a mass that is not positive, and exponents of which one does not
+    /// decay: `a` not negative, or `|b|` not below `|a|` for real ones; such a fit describes a motion that grows
+    /// without end, and its spring or damper would be negative.
+    pub fn model(self, mass_kg: f64) -> Result<Maxwell, SolveError> {
+        let mass_kg = positive("mass_kg", mass_kg)?;
+        let slowest = match self {
+            Self::Complex { a_per_s, b_rad_per_s } if b_rad_per_s.is_finite() => a_per_s,
+            Self::Real { a_per_s, b_per_s } => a_per_s + b_per_s.abs(),
+            Self::Complex { b_rad_per_s, .. } => b_rad_per_s,
+        };
+        if !(slowest.is_finite() && slowest < 0.0) {
+            return Err(SolveError::Value {
+                name: "slowest exponent of the fit",
+                value: slowest,
+                expected: "negative: both parts must decay (|b| below |a| for real roots)",
+            });
+        }
+        let (stiffness_n_per_m, damping_n_s_per_m) = self.constants(mass_kg);
+        Ok(Maxwell { mass_kg, stiffness_n_per_m, damping_n_s_per_m })
+    }
 }
 
 #[cfg(test)]
@@ -235,14 +236,14 @@ mod tests {
     #[test]
     fn a_growing_exponent_is_refused_with_its_value() {
         let printed = MaxwellExponents::Real { a_per_s: -14.5, b_per_s: -14.6 };
-        let error = maxwell_from_exponents(873.0, printed).unwrap_err();
+        let error = printed.model(873.0).unwrap_err();
         assert!(error.to_string().starts_with("slowest exponent of the fit is 0.0999"), "{error}");
-        assert!(maxwell_from_exponents(873.0, MaxwellExponents::Complex { a_per_s: 1.0, b_rad_per_s: 3.0 }).is_err());
+        assert!(MaxwellExponents::Complex { a_per_s: 1.0, b_rad_per_s: 3.0 }.model(873.0).is_err());
     }
 
     #[test]
     fn exponents_come_back_from_the_model() {
-        let model = maxwell_from_exponents(873.0, MaxwellExponents::Real { a_per_s: -14.5, b_per_s: 14.4 }).unwrap();
+        let model = MaxwellExponents::Real { a_per_s: -14.5, b_per_s: 14.4 }.model(873.0).unwrap();
         let (k, c) = (model.stiffness_n_per_m, model.damping_n_s_per_m);
         let half = 0.5 * k / c;
         // One cancellation of a² - b² in the formula's inverse, a factor of 70.

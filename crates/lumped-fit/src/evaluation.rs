@@ -151,8 +151,8 @@ mod tests {
     use crumple_signal::{Measurement, Sampled};
 
     use super::*;
-    use crate::FitQuantity;
     use crate::record::observation::ObservedWave;
+    use crate::record::sensor::FitQuantity;
 
     #[test]
     fn the_model_of_the_record_misses_nothing_and_one_of_another_spring_its_crush() {

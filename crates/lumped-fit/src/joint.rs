@@ -2,18 +2,17 @@
 
 use crumple_lumped::{CrushedStructure, Model, ModelKind, ParameterKind};
 use crumple_numerics::estimation::work::determined;
-use crumple_signal::{About, Note, Notes, Sampled, Severity, Weight};
+use crumple_signal::{About, Measurement, Note, Notes, Sampled, Severity, Weight};
 use rayon::prelude::*;
 
+use crate::candidate::{Candidate, Fit, Method, Minimum, bounds_remark};
+use crate::error::SolveError;
 use crate::fit::as_measured::{fit_as_measured, fit_nearby};
 use crate::parameters::{FitParameter, Map, free_parameters};
-use crate::record::observation::{Impact, Observation};
+use crate::record::observation::{Impact, Observation, ObservedWave};
+use crate::record::sensor::{FitQuantity, TestData};
 use crate::solvers::closed_forms::USUAL_RESTITUTION;
-use crate::solvers::table::{mass_count, solve};
-use crate::{
-    Candidate, Fit, FitQuantity, Measurement, Method, Minimum, ObservedWave, SolveError, SolveSettings, TestData,
-    bounds_remark,
-};
+use crate::solvers::table::{SolveSettings, mass_count, solve};
 
 /// Rounds of finding noise levels and minimum in turn, and the change of a weight that is worth another one.
 const WEIGHINGS: usize = 4;
@@ -45,7 +44,7 @@ pub struct JointTest<'a> {
 /// measured, of the displacements, for curves also of the accelerations. Waves count alike at first, as shares of their
 /// size, then by their misfits there, in turn with the fit, within a factor of 2 of the mean of their quantity.
 /// Force-deflection curves have the knots of the test with the deepest crush,
-/// unloading by the restitution of all, and a free rate factor where [`rate_factor_source`] says so.
+/// unloading by the restitution of all, and a free rate factor where [`RateFactorSource::of`] says so.
 ///
 /// Candidates hold the mass of the test with the deepest crush. What cannot be fitted is left out with a note.
 /// Deterministic for any number of threads. Errors: a test without meaning, as for [`solve`].
@@ -66,7 +65,7 @@ pub fn fit_together(
     }
     let alone = tests.iter().map(|test| of_one(test, &settings, notes)).collect::<Result<Vec<_>, _>>()?;
     let speeds: Vec<f64> = tests.iter().map(|test| test.data.impact_speed_m_per_s).collect();
-    let joint = Joint { tests, rate: rate_factor_source(&speeds) };
+    let joint = Joint { tests, rate: RateFactorSource::of(&speeds) };
     let mut candidates = Vec::new();
     for kind in &settings.models {
         let of_kind: Vec<Vec<&Candidate>> = alone
@@ -138,7 +137,7 @@ impl Joint<'_> {
         if !kind.parameters().iter().any(|parameter| parameter.of_the_test) {
             return vec![of_kind.iter().flat_map(starts).collect()];
         }
-        let mut each = starts(&of_kind[deepest_crush(self.tests)]);
+        let mut each = starts(&of_kind[JointTest::deepest(self.tests)]);
         if self.rate.index(kind).is_some() {
             each.truncate(1);
             let finer: Vec<Start> = each.iter().filter_map(|(model, _)| self.with_more_knots(model)).collect();
@@ -162,7 +161,7 @@ impl Joint<'_> {
             .collect();
         let (stiffness, rate) = (curve.unloading_stiffness_n_per_m, curve.rate_s_per_m);
         let model = Model::ForceDeflection(CrushedStructure::new(curve.mass_kg, &finer, stiffness, rate).ok()?);
-        let deepest = self.tests.get(deepest_crush(self.tests))?.data;
+        let deepest = self.tests.get(JointTest::deepest(self.tests))?.data;
         let free = free_parameters(&model, deepest.impact_speed_m_per_s, deepest.dynamic_crush_m?);
         Some((model, free))
     }
@@ -228,7 +227,7 @@ impl Joint<'_> {
         let (names, mut values) = (model.kind().parameter_names(), model.values());
         for (name, value) in names.iter().zip(&mut values) {
             match *name {
-                "mass_kg" => *value = self.tests.get(deepest_crush(self.tests))?.data.mass_kg,
+                "mass_kg" => *value = self.tests.get(JointTest::deepest(self.tests))?.data.mass_kg,
                 "v0_m_per_s" => {
                     *value = self.tests.iter().map(|test| test.data.impact_speed_m_per_s).fold(*value, f64::max);
                 }
@@ -257,7 +256,7 @@ impl Joint<'_> {
             "fitted to {} tests together, each with its own speed and mass; mass {} kg is that of {}",
             self.tests.len(),
             model.value("mass_kg").unwrap_or_default(),
-            self.tests.get(deepest_crush(self.tests)).map_or("", |test| test.name)
+            self.tests.get(JointTest::deepest(self.tests)).map_or("", |test| test.name)
         ))];
         notes.extend(self.rate.remark(&model).map(Note::info));
         notes.extend(bounds_remark(&model, &fit.active_bounds).map(Note::info));
@@ -266,10 +265,12 @@ impl Joint<'_> {
     }
 }
 
-/// The place of the test with the deepest crush, the first of several: the one that a joint model is counted from.
-pub fn deepest_crush(tests: &[JointTest<'_>]) -> usize {
-    let depth = |k: &usize| tests[*k].data.dynamic_crush_m.unwrap_or(0.0);
-    (0..tests.len()).max_by(|a, b| depth(a).total_cmp(&depth(b)).then(b.cmp(a))).unwrap_or(0)
+impl JointTest<'_> {
+    /// The place of the test with the deepest crush, the first of several: the one that a joint model is counted from.
+    pub fn deepest(tests: &[Self]) -> usize {
+        let depth = |k: &usize| tests[*k].data.dynamic_crush_m.unwrap_or(0.0);
+        (0..tests.len()).max_by(|a, b| depth(a).total_cmp(&depth(b)).then(b.cmp(a))).unwrap_or(0)
+    }
 }
 
 /// The acceleration of a test over the window of its displacement; `None` where it is not at hand.
@@ -324,16 +325,16 @@ pub enum RateFactorSource {
     },
 }
 
-/// Whether impacts at these speeds tell the rate factor: the fastest at least a tenth above the slowest.
-pub fn rate_factor_source(speeds_m_per_s: &[f64]) -> RateFactorSource {
-    let fastest = speeds_m_per_s.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    let slowest = speeds_m_per_s.iter().copied().fold(fastest, f64::min);
-    let ratio = fastest / slowest;
-    // Speeds as read off a record are never exactly those of the order.
-    if ratio >= APART { RateFactorSource::Fitted } else { RateFactorSource::Prior { ratio } }
-}
-
 impl RateFactorSource {
+    /// Whether impacts at these speeds tell the rate factor: the fastest at least a tenth above the slowest.
+    pub fn of(speeds_m_per_s: &[f64]) -> Self {
+        let fastest = speeds_m_per_s.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let slowest = speeds_m_per_s.iter().copied().fold(fastest, f64::min);
+        let ratio = fastest / slowest;
+        // Speeds as read off a record are never exactly those of the order.
+        if ratio >= APART { Self::Fitted } else { Self::Prior { ratio } }
+    }
+
     /// Index of the rate factor among the values of a model; `None`: it is not fitted, or the model has none.
     pub(crate) fn index(self, kind: ModelKind) -> Option<usize> {
         let place = kind.parameters().iter().position(|p| p.kind == ParameterKind::RateFactor);
@@ -410,10 +411,10 @@ mod tests {
 
     #[test]
     fn a_tenth_between_the_speeds_tells_the_rate_factor() {
-        assert_eq!(rate_factor_source(&[15.0, 11.0]), RateFactorSource::Fitted);
-        assert_eq!(rate_factor_source(&[10.0, 11.0, 10.5]), RateFactorSource::Fitted);
-        assert_eq!(rate_factor_source(&[15.0, 15.0]), RateFactorSource::Prior { ratio: 1.0 });
-        assert!(matches!(rate_factor_source(&[15.0, 15.3]), RateFactorSource::Prior { .. }));
+        assert_eq!(RateFactorSource::of(&[15.0, 11.0]), RateFactorSource::Fitted);
+        assert_eq!(RateFactorSource::of(&[10.0, 11.0, 10.5]), RateFactorSource::Fitted);
+        assert_eq!(RateFactorSource::of(&[15.0, 15.0]), RateFactorSource::Prior { ratio: 1.0 });
+        assert!(matches!(RateFactorSource::of(&[15.0, 15.3]), RateFactorSource::Prior { .. }));
         assert_eq!(RateFactorSource::Fitted.index(ModelKind::Kelvin), None);
     }
 

@@ -15,7 +15,7 @@
 //! A solver makes starts: closed forms, a momentum balance, or a search on the motion itself. One fit follows them:
 //! [`fit_as_measured`] descends to the minimum of the misfit seen through the measurement of the record (sampling,
 //! filter, integration; where that is not known, on the motion itself), and the candidate is made from that minimum.
-//! [`assess`] works there too.
+//! [`Minimum::assess`] works there too.
 //!
 //! [`evaluate`] compares a model with its test, once for all who ask. [`choose`] names the candidate for prediction,
 //! the simplest and the closest: evidence as measured, and what is known of vehicles as terms of its own.
@@ -102,55 +102,36 @@ mod uncertainty {
 }
 
 pub use candidate::{
-    Assessed, Assessment, BlockBootstrap, Candidate, Fit, Intervals, LeastMisfit, METHODS, Method, Minimum, Profile,
-    Propagation, Uncertainty, all_in_words, bounds_remark, in_words,
+    Assessed, Assessment, BlockBootstrap, Candidate, Fit, LeastMisfit, Method, Minimum, Profile, Propagation,
+    Uncertainty,
 };
-pub use chain::{Stated, StatedChain, StatedElement, StatedMass, fit_chain};
+pub use chain::{Stated, StatedChain, StatedElement, StatedMass};
 pub use closed_form::{
-    KelvinBranch, KelvinSolution, MaxwellExponents, centroid_to_crush_time_ratio, elastoplastic_from_events,
-    kelvin_from_events, maxwell_constants, maxwell_from_exponents, unloads_rigidly,
+    KelvinBranch, MaxwellExponents, centroid_to_crush_time_ratio, elastoplastic_from_events, kelvin_from_events,
 };
 pub use coordinates::MassFit;
-pub use crumple_numerics::estimation::minimise::StopReason;
-pub use crumple_numerics::estimation::minimise::l_shade::LShadeOptions;
-pub use crumple_numerics::estimation::statistics::{Covariance, covariance};
-pub use crumple_signal::{Distribution, IntegrationRule, Measurement, TwoPassFilter};
+pub use crumple_signal::Measurement;
 pub use error::SolveError;
 pub use evaluation::{Evaluation, MeasuredTest, OtherMass, evaluate};
-pub use extraction::extract::{extract, hats};
-pub use extraction::problem::{
-    AskedCurve, Extraction, ExtractionTest, MeasuredElement, MeasuredMass, MeasuredThrough, MeasuredWall,
-};
+pub use extraction::extract::extract;
+pub use extraction::problem::{AskedCurve, Extraction, ExtractionTest, MeasuredElement, MeasuredMass};
 pub use fit::as_measured::fit_as_measured;
-pub use fit::nonlinear::{fit_nonlinear1, search_nonlinear2};
-pub use fit::problem::{SingleMassFitOptions, conditions_at_crush};
-pub use joint::{JointTest, RateFactorSource, deepest_crush, fit_together, rate_factor_source};
-pub use matching::{CoefficientSpread, Identified, Matched, Quartic, match_identified};
+pub use fit::problem::SingleMassFitOptions;
+pub use joint::{JointTest, RateFactorSource, fit_together};
+pub use matching::{CoefficientSpread, Identified, Matched, Quartic};
 pub use papers::{
-    FireflyOptions, FireflyResult, FireflyUnits, curve_fit_of_the_paper, firefly_nonlinear2, front_from_amplitudes,
-    interior_point_nonlinear1, match_as_the_paper_typed, maxwell_from_sum, rear_from_amplitudes,
+    FireflyOptions, FireflyUnits, curve_fit_of_the_paper, front_from_amplitudes, match_as_the_paper_typed,
+    maxwell_from_sum, rear_from_amplitudes,
 };
-pub use parameters::{
-    FitParameter, MassEvidence, MassSplit, free_masses, free_parameters, mass_of, masses, triple_masses,
-};
-pub use record::observation::{Impact, MeasureModel, Observation, ObservedWave, RESOLUTION_M, UNKNOWN_FILTER_M};
-pub use record::sensor::{
-    FitQuantity, Sensor, SensorFit, SensorPlace, TestData, WallForce, errors_in_words, note_of_errors,
-};
+pub use parameters::{MassSplit, free_parameters};
+pub use record::observation::{Impact, MeasureModel, Observation, ObservedWave};
+pub use record::sensor::{FitQuantity, Sensor, SensorFit, SensorPlace, TestData, WallForce};
 pub use selection::choice::{CandidateSelection, Choice, Strength, choose};
-pub use selection::compared::{
-    ComparedCandidate, EnergyClass, Inadequacy, OwnTestErrors, Prior, SelectionRules, TestEvent, depends_on_rate,
-};
+pub use selection::compared::{ComparedCandidate, EnergyClass, OwnTestErrors, SelectionRules, depends_on_rate};
 pub use selection::evidence::{Evidence, SLOW_HZ};
 pub use selection::other_speeds::affects_predictions;
 pub use selection::rating::{ComparedRecord, Rated};
 pub use solvers::closed_forms::{ONE_MASS_RATE_S_PER_M, RATE_PRIOR_S_PER_M};
-pub use solvers::table::{
-    DEFAULT_MODELS, FRONT_MASS_FRACTION, MODELS, Needs, SolveSettings, Solver, solve, solvers_of,
-};
-pub use uncertainty::assessment::{AssessmentOptions, assess, undetermined};
-pub use uncertainty::mass_division::widen_by_mass_split;
-pub use uncertainty::propagation::{
-    FollowedEvents, InputUncertainty, REPETITIONS, Repetition, largest_draw, perturbed, propagate, propagate_chain,
-    propagate_closed_form, propagate_conditioned, repeat, repetition,
-};
+pub use solvers::table::{SolveSettings, solve};
+pub use uncertainty::assessment::AssessmentOptions;
+pub use uncertainty::propagation::{FollowedEvents, InputUncertainty, Repetition, propagate};

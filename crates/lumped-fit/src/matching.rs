@@ -9,7 +9,8 @@ use crumple_lumped::{
 use crumple_signal::{Note, Notes};
 use nalgebra::Matrix4;
 
-use crate::{Candidate, Method, SolveError, Uncertainty};
+use crate::candidate::{Candidate, Method, Uncertainty};
+use crate::error::SolveError;
 
 // The double model from an identified one of fourth order: coefficient matching with every solution.
 //
@@ -73,102 +74,110 @@ pub struct Matched {
     pub zeta_of_the_start: Option<f64>,
 }
 
-/// Matches the characteristic polynomial of the double model with that of an identified model, for masses in kg.
-///
-/// Every real solution becomes a candidate, physical or not, numbered from `first_index`: a user needs to see that a
-/// set with a negative spring exists. Complex solutions and multiplicities are in [`Matched::coefficient_match`]. Where
-/// a state space is known, its transformation to the coordinates of each solution tells by a second output row which
-/// solution is right; where its outputs are the motions of both masses, the total mass alone gives one more candidate.
-/// Standard deviations follow from those of the coefficients in first order.
-///
-/// Solutions are certified to rounding by [`CoefficientMatching`]. Errors: masses that are not positive, complex
-/// poles without their conjugates, coefficients that are not finite.
-pub fn match_identified(
-    identified: &Identified,
-    m1_kg: f64,
-    m2_kg: f64,
-    first_index: usize,
-    notes: &mut Notes,
-) -> Result<Matched, SolveError> {
-    let matching = match identified.quartic {
-        Quartic::Coefficients(polynomial) => CoefficientMatching::new(polynomial, m1_kg, m2_kg, Reading::Binary)?,
-        Quartic::Poles(poles) => CoefficientMatching::from_poles(&poles, m1_kg, m2_kg, Reading::Binary)?,
-    };
-    let coefficient_match = matching.solve();
-    let fractions: Vec<f64> = (1..=SWEEP).map(|k| k as f64 / (SWEEP + 1) as f64).collect();
-    let sweep = fractions.iter().copied().zip(matching.mass_split_sweep(&fractions)?).collect();
-    let solutions_in_words = solutions_in_words(&coefficient_match);
-    let physical = coefficient_match.solutions.iter().any(|s| s.physical);
-    let text = format!("{}: {solutions_in_words}", identified.id);
-    if physical {
-        notes.info(text);
-    } else {
-        notes.warning(text);
-    }
+impl Identified {
+    /// Matches the characteristic polynomial of the double model with that of an identified model, for masses in kg.
+    ///
+    /// Every real solution becomes a candidate, physical or not, numbered from `first_index`: a user needs to see that
+    /// a set with a negative spring exists. Complex solutions and multiplicities are in [`Matched::coefficient_match`].
+    /// Where a state space is known, its transformation to the coordinates of each solution tells by a second output
+    /// row which solution is right; where its outputs are the motions of both masses, the total mass alone gives one
+    /// more candidate. Standard deviations follow from those of the coefficients in first order.
+    ///
+    /// Solutions are certified to rounding by [`CoefficientMatching`]. Errors: masses that are not positive, complex
+    /// poles without their conjugates, coefficients that are not finite.
+    pub fn matched(
+        &self,
+        m1_kg: f64,
+        m2_kg: f64,
+        first_index: usize,
+        notes: &mut Notes,
+    ) -> Result<Matched, SolveError> {
+        let matching = match self.quartic {
+            Quartic::Coefficients(polynomial) => CoefficientMatching::new(polynomial, m1_kg, m2_kg, Reading::Binary)?,
+            Quartic::Poles(poles) => CoefficientMatching::from_poles(&poles, m1_kg, m2_kg, Reading::Binary)?,
+        };
+        let coefficient_match = matching.solve();
+        let fractions: Vec<f64> = (1..=SWEEP).map(|k| k as f64 / (SWEEP + 1) as f64).collect();
+        let sweep = fractions.iter().copied().zip(matching.mass_split_sweep(&fractions)?).collect();
+        let solutions_in_words = solutions_in_words(&coefficient_match);
+        let physical = coefficient_match.solutions.iter().any(|s| s.physical);
+        let text = format!("{}: {solutions_in_words}", self.id);
+        if physical {
+            notes.info(text);
+        } else {
+            notes.warning(text);
+        }
 
-    // Places of the real solutions among the candidates.
-    let index = |solution: usize| first_index + solution;
-    let mut candidates = Vec::new();
-    let mut coordinates = Vec::new();
-    let zeta_of_the_start = identified.realised.as_ref().and_then(RealisedModel::zeta_of_the_start);
-    for (place, solution) in coefficient_match.solutions.iter().enumerate().filter(|(_, s)| s.real) {
-        let Some(model) = solution.model(m1_kg, m2_kg) else { continue };
-        let mut remarks = vec![format!("from the {} {}: {solutions_in_words}", identified.source, identified.id)];
-        remarks.push(numerator_remark(identified.numerator.as_deref(), solution));
-        remarks.push(match matching_sensitivity(&model) {
-            Some(gain) => format!("1 % in one coefficient moves a parameter by up to {:.3} %", gain.amax()),
-            None if [model.c1_n_s_per_m, model.c2_n_s_per_m].contains(&0.0) => at_the_border("damper"),
-            None if [model.k1_n_per_m, model.k2_n_per_m].contains(&0.0) => at_the_border("spring"),
-            None => "a multiple solution: a change of the coefficients moves it by its square root".to_owned(),
-        });
-        let uncertainty = identified.spread.as_ref().and_then(|spread| spread.of_match(&model));
-        match (&uncertainty, &identified.spread) {
-            (Some(deviations), _) => {
-                remarks
-                    .push(format!("standard deviations: {}; for the given masses, in first order", deviations.method));
+        // Places of the real solutions among the candidates.
+        let index = |solution: usize| first_index + solution;
+        let mut candidates = Vec::new();
+        let mut coordinates = Vec::new();
+        let zeta_of_the_start = self.realised.as_ref().and_then(RealisedModel::zeta_of_the_start);
+        for (place, solution) in coefficient_match.solutions.iter().enumerate().filter(|(_, s)| s.real) {
+            let Some(model) = solution.model(m1_kg, m2_kg) else { continue };
+            let mut remarks = vec![format!("from the {} {}: {solutions_in_words}", self.source, self.id)];
+            remarks.push(numerator_remark(self.numerator.as_deref(), solution));
+            remarks.push(match matching_sensitivity(&model) {
+                Some(gain) => format!("1 % in one coefficient moves a parameter by up to {:.3} %", gain.amax()),
+                None if [model.c1_n_s_per_m, model.c2_n_s_per_m].contains(&0.0) => at_the_border("damper"),
+                None if [model.k1_n_per_m, model.k2_n_per_m].contains(&0.0) => at_the_border("spring"),
+                None => "a multiple solution: a change of the coefficients moves it by its square root".to_owned(),
+            });
+            let uncertainty = self.spread.as_ref().and_then(|spread| spread.of_match(&model));
+            match (&uncertainty, &self.spread) {
+                (Some(deviations), _) => {
+                    remarks.push(format!(
+                        "standard deviations: {}; for the given masses, in first order",
+                        deviations.method
+                    ));
+                }
+                (None, Some(_)) => {
+                    remarks.push("no standard deviations: to first order they are unbounded here".to_owned());
+                }
+                (None, None) => {}
             }
-            (None, Some(_)) => {
-                remarks.push("no standard deviations: to first order they are unbounded here".to_owned());
+            if solution.dual == place {
+                remarks.push(format!(
+                    "its own dual, listed once: {} of the six solutions coincide here",
+                    solution.multiplicity
+                ));
             }
-            (None, None) => {}
-        }
-        if solution.dual == place {
-            remarks.push(format!(
-                "its own dual, listed once: {} of the six solutions coincide here",
-                solution.multiplicity
-            ));
-        }
-        match identified.realised.as_ref().map(|realised| realised.coordinates(&model)) {
-            Some(Ok(physical)) => {
-                remarks.push(coordinate_remark(&physical));
-                coordinates.push((candidates.len(), physical));
+            match self.realised.as_ref().map(|realised| realised.coordinates(&model)) {
+                Some(Ok(physical)) => {
+                    remarks.push(coordinate_remark(&physical));
+                    coordinates.push((candidates.len(), physical));
+                }
+                Some(Err(error)) => remarks.push(format!("no physical coordinates: {error}")),
+                None => {}
             }
-            Some(Err(error)) => remarks.push(format!("no physical coordinates: {error}")),
-            None => {}
+            let notes = remarks.into_iter().map(Note::info).collect();
+            let (model, method) = (Model::DoubleSpringMassDamper(model), Method::CoefficientMatching);
+            let equivalent_to = (solution.dual != place).then(|| index(solution.dual));
+            candidates.push(Candidate {
+                equivalent_to,
+                uncertainty,
+                ..Candidate::new(model, method, index(place), notes)
+            });
         }
-        let notes = remarks.into_iter().map(Note::info).collect();
-        let (model, method) = (Model::DoubleSpringMassDamper(model), Method::CoefficientMatching);
-        let equivalent_to = (solution.dual != place).then(|| index(solution.dual));
-        candidates.push(Candidate { equivalent_to, uncertainty, ..Candidate::new(model, method, index(place), notes) });
+        let mut remarks = vec![solutions_in_words, format!("used: the {} {}", self.source, self.id)];
+        if self.delay_s != 0.0 {
+            let text = format!(
+                "its input has a delay of {:.3} ms, which the poles do not contain: springs and dampers do not depend \
+                 on it, and their simulation starts at contact",
+                1e3 * self.delay_s
+            );
+            notes.info(format!("{}: {text}", self.id));
+            remarks.push(text);
+        }
+        if let Some(zeta) = zeta_of_the_start {
+            remarks.push(start_remark(zeta, &coefficient_match));
+        }
+        if let Some(realised) = self.realised.as_ref().filter(|realised| realised.chassis.is_some()) {
+            let index = first_index + candidates.len();
+            candidates.extend(from_both_masses(realised, m1_kg + m2_kg, index, &mut remarks));
+        }
+        Ok(Matched { coefficient_match, sweep, candidates, remarks, coordinates, zeta_of_the_start })
     }
-    let mut remarks = vec![solutions_in_words, format!("used: the {} {}", identified.source, identified.id)];
-    if identified.delay_s != 0.0 {
-        let text = format!(
-            "its input has a delay of {:.3} ms, which the poles do not contain: springs and dampers do not depend on \
-             it, and their simulation starts at contact",
-            1e3 * identified.delay_s
-        );
-        notes.info(format!("{}: {text}", identified.id));
-        remarks.push(text);
-    }
-    if let Some(zeta) = zeta_of_the_start {
-        remarks.push(start_remark(zeta, &coefficient_match));
-    }
-    if let Some(realised) = identified.realised.as_ref().filter(|realised| realised.chassis.is_some()) {
-        let index = first_index + candidates.len();
-        candidates.extend(from_both_masses(realised, m1_kg + m2_kg, index, &mut remarks));
-    }
-    Ok(Matched { coefficient_match, sweep, candidates, remarks, coordinates, zeta_of_the_start })
 }
 
 /// The model that the output rows of both masses give with the total mass alone; a remark on it, or on why there is

@@ -12,12 +12,13 @@ use crumple_signal::{Displacement, Note, Notes, Signal};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use crate::error::positive;
+use crate::candidate::{Candidate, Fit, Method};
+use crate::closed_form::MaxwellExponents;
+use crate::error::{SolveError, positive};
 use crate::fit::nonlinear::{KNOTS, coordinates, parts};
 use crate::fit::problem::{AtCrush, Problem, SingleMassFitOptions};
-use crate::matching::{Identified, Matched, Quartic, match_identified};
+use crate::matching::{Identified, Matched, Quartic};
 use crate::parameters::Map;
-use crate::{Candidate, Fit, MaxwellExponents, Method, SolveError, maxwell_from_exponents};
 
 /// Least squares of `y = intercept + slope x`, as `(intercept, slope)`. Sums are taken about the mean, which avoids
 /// cancellation.
@@ -194,95 +195,98 @@ fn model_at(p: &[f64; 10], range: &[f64; 10], options: &SingleMassFitOptions) ->
     }
 }
 
-/// Firefly search for the ten parameters of the second nonlinear model.
-///
-/// Each firefly moves towards every brighter one,
-/// `x_i += beta0 exp(-gamma r²)(x_j - x_i) + alpha (random - 1/2) range`, with `gamma = 1/sqrt(L)` and `L` the length
-/// of the box's diagonal (single-mass paper, section 5.5; Yang 2009). A model without a response is dark. The same seed
-/// gives the same result on every machine.
-///
-/// A population search ends near a minimum, not in it: [`fit_as_measured`](crate::fit_as_measured) is better by orders
-/// of magnitude and faster. Errors: as that fit.
-pub fn firefly_nonlinear2(
-    displacement: &Signal<Displacement>,
-    options: &SingleMassFitOptions,
-    search: &FireflyOptions,
-) -> Result<FireflyResult, SolveError> {
-    positive("mass_kg", options.mass_kg)?;
-    let v0 = positive("impact_speed_m_per_s", options.impact_speed_m_per_s)?;
-    let crush = positive("crush_m", options.crush_m)?;
-    let usual = FireflyOptions::default();
-    let searches = search.fireflies.saturating_mul(search.generations).div_ceil(usual.fireflies * usual.generations);
-    let observed = options.observed(displacement)?.limited(searches);
-    let c = COEFFICIENT;
-    let range = [c, c, c, crush, c, c, c, c, v0, v0];
-    let build = |p: &[f64; 10]| model_at(p, &range, options);
-    let mut evaluations = 0;
-    let mut cost = |p: &[f64; 10]| -> f64 {
-        evaluations += 1;
-        let misfit = observed.misfit(&Model::Nonlinear2(build(p)));
-        misfit.map_or(f64::INFINITY, |misfit| misfit.iter().map(|x| x * x).sum())
-    };
-    let mut random = RandomNumbers::seeded(search.seed);
-    // Positions are shares of the range; distances in the units asked for.
-    let scale: [f64; 10] = match search.units {
-        FireflyUnits::Physical => range,
-        FireflyUnits::Unit => [1.0; 10],
-    };
-    let length = scale.iter().map(|s| s * s).sum::<f64>().sqrt();
-    let gamma = length.sqrt().recip();
-    let attraction = |a: &[f64; 10], b: &[f64; 10]| {
-        let square: f64 = (0..10).map(|i| ((a[i] - b[i]) * scale[i]).powi(2)).sum();
-        search.beta0 * (-gamma * square).exp()
-    };
-    let mut swarm: Vec<[f64; 10]> = (0..search.fireflies).map(|_| std::array::from_fn(|_| random.uniform())).collect();
-    let mut costs: Vec<f64> = swarm.iter().map(&mut cost).collect();
-    let mut pairs = 0.0;
-    let mut pulled = 0.0;
-    for i in 0..swarm.len() {
-        for j in 0..i {
-            pulled += attraction(&swarm[i], &swarm[j]);
-            pairs += 1.0;
-        }
-    }
-    let mut alpha = search.alpha;
-    let delta = 0.5_f64.powf(1.0 / 500.0);
-    let first = costs.iter().zip(&swarm).min_by(|a, b| a.0.total_cmp(b.0));
-    let mut best = first.map_or((f64::INFINITY, [0.5; 10]), |(cost, place)| (*cost, *place));
-    for _ in 0..search.generations {
+impl SingleMassFitOptions {
+    /// Firefly search for the ten parameters of the second nonlinear model.
+    ///
+    /// Each firefly moves towards every brighter one, `x_i += beta0 exp(-gamma r²)(x_j - x_i) + alpha (random - 1/2)
+    /// range`, with `gamma = 1/sqrt(L)` and `L` the length of the box's diagonal (single-mass paper, section 5.5; Yang
+    /// 2009). A model without a response is dark. The same seed gives the same result on every machine.
+    ///
+    /// A population search ends near a minimum, not in it: [`fit_as_measured`](crate::fit_as_measured) is better by
+    /// orders of magnitude and faster. Errors: as that fit.
+    pub fn firefly_nonlinear2(
+        &self,
+        displacement: &Signal<Displacement>,
+        search: &FireflyOptions,
+    ) -> Result<FireflyResult, SolveError> {
+        positive("mass_kg", self.mass_kg)?;
+        let v0 = positive("impact_speed_m_per_s", self.impact_speed_m_per_s)?;
+        let crush = positive("crush_m", self.crush_m)?;
+        let usual = FireflyOptions::default();
+        let searches =
+            search.fireflies.saturating_mul(search.generations).div_ceil(usual.fireflies * usual.generations);
+        let observed = self.observed(displacement)?.limited(searches);
+        let c = COEFFICIENT;
+        let range = [c, c, c, crush, c, c, c, c, v0, v0];
+        let build = |p: &[f64; 10]| model_at(p, &range, self);
+        let mut evaluations = 0;
+        let mut cost = |p: &[f64; 10]| -> f64 {
+            evaluations += 1;
+            let misfit = observed.misfit(&Model::Nonlinear2(build(p)));
+            misfit.map_or(f64::INFINITY, |misfit| misfit.iter().map(|x| x * x).sum())
+        };
+        let mut random = RandomNumbers::seeded(search.seed);
+        // Positions are shares of the range; distances in the units asked for.
+        let scale: [f64; 10] = match search.units {
+            FireflyUnits::Physical => range,
+            FireflyUnits::Unit => [1.0; 10],
+        };
+        let length = scale.iter().map(|s| s * s).sum::<f64>().sqrt();
+        let gamma = length.sqrt().recip();
+        let attraction = |a: &[f64; 10], b: &[f64; 10]| {
+            let square: f64 = (0..10).map(|i| ((a[i] - b[i]) * scale[i]).powi(2)).sum();
+            search.beta0 * (-gamma * square).exp()
+        };
+        let mut swarm: Vec<[f64; 10]> =
+            (0..search.fireflies).map(|_| std::array::from_fn(|_| random.uniform())).collect();
+        let mut costs: Vec<f64> = swarm.iter().map(&mut cost).collect();
+        let mut pairs = 0.0;
+        let mut pulled = 0.0;
         for i in 0..swarm.len() {
-            for j in 0..swarm.len() {
-                if costs[j] < costs[i] {
-                    let pull = attraction(&swarm[i], &swarm[j]);
-                    let target = swarm[j];
-                    for (x, t) in swarm[i].iter_mut().zip(target) {
-                        *x = (*x + pull * (t - *x) + alpha * (random.uniform() - 0.5)).clamp(0.0, 1.0);
+            for j in 0..i {
+                pulled += attraction(&swarm[i], &swarm[j]);
+                pairs += 1.0;
+            }
+        }
+        let mut alpha = search.alpha;
+        let delta = 0.5_f64.powf(1.0 / 500.0);
+        let first = costs.iter().zip(&swarm).min_by(|a, b| a.0.total_cmp(b.0));
+        let mut best = first.map_or((f64::INFINITY, [0.5; 10]), |(cost, place)| (*cost, *place));
+        for _ in 0..search.generations {
+            for i in 0..swarm.len() {
+                for j in 0..swarm.len() {
+                    if costs[j] < costs[i] {
+                        let pull = attraction(&swarm[i], &swarm[j]);
+                        let target = swarm[j];
+                        for (x, t) in swarm[i].iter_mut().zip(target) {
+                            *x = (*x + pull * (t - *x) + alpha * (random.uniform() - 0.5)).clamp(0.0, 1.0);
+                        }
                     }
                 }
             }
-        }
-        for (i, p) in swarm.iter().enumerate() {
-            costs[i] = cost(p);
-            if costs[i] < best.0 {
-                best = (costs[i], *p);
+            for (i, p) in swarm.iter().enumerate() {
+                costs[i] = cost(p);
+                if costs[i] < best.0 {
+                    best = (costs[i], *p);
+                }
             }
+            alpha *= delta;
         }
-        alpha *= delta;
+        if !best.0.is_finite() {
+            return Err(SolveError::NoFit { starts: search.fireflies });
+        }
+        Ok(FireflyResult {
+            model: build(&best.1),
+            fit: Fit::of_waves(
+                &observed,
+                &[(best.0 / observed.rows() as f64).sqrt()],
+                Vec::new(),
+                (u32::try_from(search.generations).unwrap_or(u32::MAX), evaluations, StopReason::IterationLimit),
+                Vec::new(),
+            ),
+            attraction: if pairs > 0.0 { pulled / pairs } else { 0.0 },
+        })
     }
-    if !best.0.is_finite() {
-        return Err(SolveError::NoFit { starts: search.fireflies });
-    }
-    Ok(FireflyResult {
-        model: build(&best.1),
-        fit: Fit::of_waves(
-            &observed,
-            &[(best.0 / observed.rows() as f64).sqrt()],
-            Vec::new(),
-            (u32::try_from(search.generations).unwrap_or(u32::MAX), evaluations, StopReason::IterationLimit),
-            Vec::new(),
-        ),
-        attraction: if pairs > 0.0 { pulled / pairs } else { 0.0 },
-    })
 }
 
 // The Maxwell model from an identified sum of exponentials, as the single-mass paper does it.
@@ -337,7 +341,7 @@ pub fn maxwell_from_sum(id: &str, exponents: &[Complex], mass_kg: f64, index: us
                 end",
         });
     }
-    let model = maxwell_from_exponents(mass_kg, exponents_of_the_motion)?;
+    let model = exponents_of_the_motion.model(mass_kg)?;
     let kind = match exponents_of_the_motion {
         MaxwellExponents::Complex { a_per_s, b_rad_per_s } => {
             format!("{a_per_s:.4} ± {:.4} i 1/s, complex: the mass swings", b_rad_per_s.abs())
@@ -403,24 +407,25 @@ impl Program for SideConstraints<'_> {
     }
 }
 
-/// Fits the first nonlinear model as the paper does: interior point with `k1 <= k2`, `c1 >= c2 >= c3`, `x(t_m) = C`,
-/// `v(t_m) = 0` as constraints (single-mass paper, section 4.1).
-///
-/// Begun from five knees of the damper, the best feasible end is taken. Reaches the same point as
-/// [`fit_nonlinear1`](crate::fit_nonlinear1), whose start is a better one. Errors: as that fit; also where no end meets
-/// the constraints.
-pub fn interior_point_nonlinear1(
-    displacement: &Signal<Displacement>,
-    options: &SingleMassFitOptions,
-) -> Result<(Nonlinear1, Fit), SolveError> {
-    options.check()?;
-    let observed = options.observed(displacement)?;
-    let ((k, c), v0) = (options.units(), options.impact_speed_m_per_s);
-    let free: Vec<(usize, Map)> = (1..).zip([k, k, c, c, c, v0].map(Map::Share)).collect();
-    let coordinates = coordinates(parts(options).template, &free);
-    let problem = Problem { unit: options.crush_m, ..Problem::new(&coordinates, &observed, 0.0) };
-    let program = SideConstraints { problem, at_crush: AtCrush::new(options) };
-    #[rustfmt::skip]
+impl SingleMassFitOptions {
+    /// Fits the first nonlinear model as the paper does: interior point with `k1 <= k2`, `c1 >= c2 >= c3`, `x(t_m) =
+    /// C`, `v(t_m) = 0` as constraints (single-mass paper, section 4.1).
+    ///
+    /// Begun from five knees of the damper, the best feasible end is taken. Reaches the same point as
+    /// [`fit_nonlinear1`](Self::fit_nonlinear1), whose start is a better one. Errors: as that fit; also where no end
+    /// meets the constraints.
+    pub fn interior_point_nonlinear1(
+        &self,
+        displacement: &Signal<Displacement>,
+    ) -> Result<(Nonlinear1, Fit), SolveError> {
+        self.check()?;
+        let observed = self.observed(displacement)?;
+        let ((k, c), v0) = (self.units(), self.impact_speed_m_per_s);
+        let free: Vec<(usize, Map)> = (1..).zip([k, k, c, c, c, v0].map(Map::Share)).collect();
+        let coordinates = coordinates(parts(self).template, &free);
+        let problem = Problem { unit: self.crush_m, ..Problem::new(&coordinates, &observed, 0.0) };
+        let program = SideConstraints { problem, at_crush: AtCrush::new(self) };
+        #[rustfmt::skip]
     let g = DMatrix::from_row_slice(7, 6, &[
         1.0,  0.0, 0.0,  0.0,  0.0, 0.0, // k1 >= 0
         -1.0, 1.0, 0.0,  0.0,  0.0, 0.0, // k2 >= k1
@@ -430,30 +435,32 @@ pub fn interior_point_nonlinear1(
         0.0,  0.0, 0.0,  0.0,  0.0, 1.0,
         0.0,  0.0, 0.0,  0.0,  0.0, -1.0,
     ]);
-    let h = DVector::from_vec(vec![0.0, 0.0, 0.0, 0.0, 0.0, -KNOTS.0, KNOTS.1]);
-    let ends: Vec<Option<InteriorPoint>> = KNEES
-        .par_iter()
-        .map(|knee| {
-            let start = DVector::from_vec(vec![0.4, 0.9, 0.8, 0.3, 0.05, *knee]);
-            interior_point(&program, &start, (&g, &h))
-        })
-        .collect();
-    let evaluations = ends.iter().flatten().map(|end| end.evaluations).sum();
-    let best = ends
-        .into_iter()
-        .flatten()
-        .filter(|end| end.infeasibility <= FEASIBLE)
-        .min_by(|a, b| a.f.total_cmp(&b.f))
-        .ok_or(SolveError::NoFit { starts: KNEES.len() })?;
-    let gaps = &g * &best.x + &h;
-    // What makes two equal, or zero, holds the first of the two.
-    let of_gap = [0, 1, 2, 3, 4, 5, 5];
-    let active_bounds = (0..7).filter(|i| gaps[*i] < 1e-6).map(|i| NAMES[of_gap[i]].to_owned()).collect();
-    let rmse = (best.f / OBJECTIVE / observed.rows() as f64).sqrt() * options.crush_m;
-    let fit = Fit::of_waves(&observed, &[rmse], Vec::new(), (best.iterations, evaluations, best.stop), active_bounds);
-    match coordinates.model(best.x.as_slice()) {
-        Some(Model::Nonlinear1(model)) => Ok((model, fit)),
-        _ => Err(SolveError::NoFit { starts: KNEES.len() }),
+        let h = DVector::from_vec(vec![0.0, 0.0, 0.0, 0.0, 0.0, -KNOTS.0, KNOTS.1]);
+        let ends: Vec<Option<InteriorPoint>> = KNEES
+            .par_iter()
+            .map(|knee| {
+                let start = DVector::from_vec(vec![0.4, 0.9, 0.8, 0.3, 0.05, *knee]);
+                interior_point(&program, &start, (&g, &h))
+            })
+            .collect();
+        let evaluations = ends.iter().flatten().map(|end| end.evaluations).sum();
+        let best = ends
+            .into_iter()
+            .flatten()
+            .filter(|end| end.infeasibility <= FEASIBLE)
+            .min_by(|a, b| a.f.total_cmp(&b.f))
+            .ok_or(SolveError::NoFit { starts: KNEES.len() })?;
+        let gaps = &g * &best.x + &h;
+        // What makes two equal, or zero, holds the first of the two.
+        let of_gap = [0, 1, 2, 3, 4, 5, 5];
+        let active_bounds = (0..7).filter(|i| gaps[*i] < 1e-6).map(|i| NAMES[of_gap[i]].to_owned()).collect();
+        let rmse = (best.f / OBJECTIVE / observed.rows() as f64).sqrt() * self.crush_m;
+        let fit =
+            Fit::of_waves(&observed, &[rmse], Vec::new(), (best.iterations, evaluations, best.stop), active_bounds);
+        match coordinates.model(best.x.as_slice()) {
+            Some(Model::Nonlinear1(model)) => Ok((model, fit)),
+            _ => Err(SolveError::NoFit { starts: KNEES.len() }),
+        }
     }
 }
 
@@ -495,7 +502,7 @@ pub fn match_as_the_paper_typed(first_index: usize, notes: &mut Notes) -> Result
             delay_s: 0.0,
         };
         let first = first_index + results.iter().map(|matched| matched.candidates.len()).sum::<usize>();
-        let mut matched = match_identified(&identified, m1_kg, m2_kg, first, notes)?;
+        let mut matched = identified.matched(m1_kg, m2_kg, first, notes)?;
         let label = "for reproduction only: 284.6 kg stands for 284.4 kg in the first right-hand side, as in the \
             paper, which lists k1 and c2 exchanged (its solver answers in the order c1, c2, k1, k2)";
         matched.remarks.push(label.to_owned());

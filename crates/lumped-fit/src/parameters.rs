@@ -8,7 +8,7 @@ use std::borrow::Cow;
 
 use crumple_lumped::{Model, Parameter, ParameterKind};
 
-use crate::SolveError;
+use crate::error::SolveError;
 
 /// How a coordinate `x` becomes a value `p`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -149,7 +149,7 @@ pub fn free_parameters(model: &Model, impact_speed_m_per_s: f64, crush_m: f64) -
 
 /// The masses of a model whose total is known, but the last one, which is the rest. Each lies between the shares
 /// `lower` and `upper` of what the masses in front of it leave.
-pub fn free_masses(model: &Model, (lower, upper): (f64, f64)) -> Vec<FitParameter> {
+pub(crate) fn free_masses(model: &Model, (lower, upper): (f64, f64)) -> Vec<FitParameter> {
     let masses = masses_of(model);
     let mut left: f64 = masses.iter().map(|(_, kg)| kg).sum();
     let (_, but_last) = masses.split_last().unwrap_or((&("", 0.0), &[]));
@@ -181,7 +181,7 @@ pub(crate) fn masses_of(model: &Model) -> Vec<(&'static str, f64)> {
 }
 
 /// Sum of the masses of a model, kg.
-pub fn mass_of(model: &Model) -> f64 {
+pub(crate) fn mass_of(model: &Model) -> f64 {
     model.masses_kg().iter().sum()
 }
 
@@ -198,9 +198,21 @@ pub enum MassSplit {
     Both(f64, f64),
 }
 
+impl MassSplit {
+    /// Engine and front structure of a passenger car are about a quarter of it: an assumption, which a note states.
+    pub const USUAL_FRONT: f64 = 0.25;
+
+    /// Masses of chassis and compartment, kg, where sensors of the compartment alone are at hand, with the sentence
+    /// that says where they come from. Errors: a share outside 0 to 1, a mass that is not positive or not below the
+    /// test mass.
+    pub fn masses(self, mass_kg: f64) -> Result<(f64, f64, String), SolveError> {
+        masses(mass_kg, self, MassEvidence::Compartment)
+    }
+}
+
 /// Which sensors could tell how the mass divides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MassEvidence {
+pub(crate) enum MassEvidence {
     /// Those of the compartment alone, which a division and its mirror image move alike.
     Compartment,
     /// One on another mass too.
@@ -223,7 +235,7 @@ impl MassEvidence {
 ///
 /// All springs and dampers of the double model depend on how the mass divides. Errors: a share outside 0 to 1, a mass
 /// that is not positive or not below the test mass.
-pub fn masses(mass_kg: f64, split: MassSplit, evidence: MassEvidence) -> Result<(f64, f64, String), SolveError> {
+pub(crate) fn masses(mass_kg: f64, split: MassSplit, evidence: MassEvidence) -> Result<(f64, f64, String), SolveError> {
     let value = |name, value, expected| SolveError::Value { name, value, expected };
     let below = "positive and below the test mass";
     let (m1, m2, source) = match split {
@@ -257,7 +269,7 @@ fn sum_remark(sum_kg: f64, mass_kg: f64) -> String {
 
 /// Masses of engine, of suspension and chassis, and of the compartment, kg, with the sentence that says where they
 /// come from: those given, else the front mass of the double model halved, which is an assumption.
-pub fn triple_masses(
+pub(crate) fn triple_masses(
     mass_kg: f64,
     split: MassSplit,
     given: Option<[f64; 3]>,

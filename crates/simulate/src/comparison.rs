@@ -1,10 +1,9 @@
 //! A simulation beside the test: errors, ratings, other sensors.
 
 use crumple_lumped::{CrushEvents, Dynamics, Motion};
-use crumple_lumped_fit::Measurement;
 use crumple_metrics::definitions::{CATALOGUE, ISO};
 use crumple_metrics::{CoraOptions, Iso18571Options, Metric, cora, fit_percent, iso18571, residuals, rmse};
-use crumple_signal::{Cfc, Channel, Sampled, through_class};
+use crumple_signal::{Cfc, Channel, Measurement, Sampled, through_class};
 
 // The peak of a model's deceleration as a laboratory reads it.
 

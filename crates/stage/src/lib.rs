@@ -6,6 +6,7 @@
 
 mod artifacts {
     //! What a stage reads and what it writes.
+    pub mod described;
     pub mod inputs;
     pub mod output;
 }

@@ -12,7 +12,6 @@ use std::path::PathBuf;
 
 use crumple_numerics::estimation::work::determined;
 use crumple_signal::{About, Weight};
-use crumple_stage::records::TestV1;
 use crumple_stage::{Inputs, LeftOut, Loaded, Outcome, Output, Stage};
 
 use crate::stage::methods::{arx, discrete, era, exponentials, tfest};
@@ -46,7 +45,7 @@ impl Stage for Identify {
 
     fn run(settings: &Settings, inputs: &Inputs, out: &mut Output) -> anyhow::Result<Outcome> {
         let test = inputs.test()?;
-        out.put("/test", &TestV1::from(&test))?;
+        out.put("/test", &inputs.test_with_samples(&test))?;
         let (settings, checks) = checks::prepared(Source { settings, test: &test, inputs }, out)?;
         let mut settings = settings;
         let ambient = checks::put_ambient(Source { settings: &settings, test: &test, inputs }, out)?;

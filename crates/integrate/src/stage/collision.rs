@@ -6,7 +6,7 @@ use crumple_metrics::definitions::{
 };
 use crumple_metrics::{Metric, TwoVehicleImpact, collision, common_velocity};
 use crumple_signal::{Channel, QuantityKind, Signal, TestDescription, Velocity, part_of};
-use crumple_stage::records::{MetricV1, MetricsV2, TestV1, VehicleV1, VehiclesV1};
+use crumple_stage::records::{MetricV1, MetricsV2, VehicleV1, VehiclesV1};
 use crumple_stage::{Inputs, Outcome, Output};
 
 use crate::stage::criteria::{recorded_changes, recorded_impacts};
@@ -207,7 +207,7 @@ pub fn without_motion(
     missing: Missing,
     out: &mut Output,
 ) -> anyhow::Result<Outcome> {
-    out.put("/test", &TestV1::from(test))?;
+    out.put("/test", &input.test_with_samples(test))?;
     let impact_speed_m_per_s = None;
     let criteria = Criteria { settings, input, test, pulse, impact_speed_m_per_s };
     let mut metrics = criteria.records(out)?;

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 
 use crumple_metrics::{Measured, first_event};
 use crumple_signal::{Channel, TestDescription};
-use crumple_stage::records::{MetricsV2, TestV1};
+use crumple_stage::records::MetricsV2;
 use crumple_stage::{Inputs, LeftOut, Loaded, Outcome, Output, RefuseExt, Refused, Stage, flag, option};
 
 use crate::stage::channels::{ChannelAgreement, channels_named, integrate_others};
@@ -110,7 +110,7 @@ impl Stage for Integrate {
         metrics.extend(sled_pulse(settings.corridor, &channel, &pulse, measured, out));
         let mut others = ChannelAgreement::new(&channel, &pulse);
 
-        out.put("/test", &TestV1::from(&test))?;
+        out.put("/test", &input.test_with_samples(&test))?;
         out.put("/events", &events_record(&channel.id, settings, &rule, &pulse, impact_speed_m_per_s))?;
         out.summary(summary(&channel.id, &pulse, impact_speed_m_per_s));
 

@@ -6,7 +6,7 @@ use crumple_signal::{
     Acceleration, Channel, IntegrationRule, IntegrationSettings, Sampled, Signal, TestDescription, TestKind,
     integrate_twice,
 };
-use crumple_stage::records::{ImpactsV1, MetricsV2, TestV1};
+use crumple_stage::records::{ImpactsV1, MetricsV2};
 use crumple_stage::{Inputs, Outcome, Output, Refused, option};
 
 use crate::{Uncertainty, stroke_interval};
@@ -113,7 +113,7 @@ pub fn without_impact(
     let stroke = stroke_m.map_or_else(String::new, |stroke_m| format!(", stroke {:.0} mm", 1e3 * stroke_m));
     let (speed_text, reason) = why_none(test, speed_m_per_s, starts_from);
     out.summary(format!("pulse {}{change}{stroke}{speed_text}", pulse.id));
-    out.put("/test", &TestV1::from(test))?;
+    out.put("/test", &input.test_with_samples(test))?;
     let impacts = impact_records(&integrated.events.impacts, None);
     out.put("/impacts", &ImpactsV1 { channel: pulse.id.clone(), impacts })?;
     out.put("/metrics", &MetricsV2 { metrics })?;

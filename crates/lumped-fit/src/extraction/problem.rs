@@ -1,6 +1,6 @@
 //! What curves are read from, with a rate factor that all tests share.
 
-use crate::TwoPassFilter;
+use crumple_signal::TwoPassFilter;
 
 /// A curve that is asked for: the elements of every test that follow it.
 #[derive(Debug, Clone, PartialEq)]

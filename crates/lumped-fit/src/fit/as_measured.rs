@@ -189,12 +189,12 @@ pub(crate) fn exchanged(name: &str) -> &str {
 #[cfg(test)]
 mod tests {
     use crumple_lumped::{DoubleSpringMassDamper, Elastoplastic, Nonlinear2};
-    use crumple_signal::{Displacement, Signal};
+    use crumple_numerics::estimation::minimise::levenberg_marquardt::Response;
+    use crumple_signal::{Displacement, IntegrationRule, Measurement, Signal, TwoPassFilter};
 
     use super::*;
-    use crate::parameters::free_masses;
-    use crate::{IntegrationRule, MeasureModel, Measurement, TwoPassFilter, free_parameters};
-    use crumple_numerics::estimation::minimise::levenberg_marquardt::Response;
+    use crate::parameters::{free_masses, free_parameters};
+    use crate::record::observation::MeasureModel;
     use nalgebra::DVector;
 
     /// CFC 60 at 10 kHz.

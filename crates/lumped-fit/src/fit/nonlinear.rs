@@ -7,12 +7,13 @@ use crumple_signal::{Displacement, Signal};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
+use crate::candidate::Fit;
 use crate::coordinates::Coordinates;
+use crate::error::SolveError;
 use crate::fit::problem::{AtCrush, Problem, SLOW, SingleMassFitOptions};
 use crate::fit::search::{best_of_starts, bounds};
 use crate::parameters::{FitParameter, Map};
-use crate::record::observation::ObservedWave;
-use crate::{Fit, Observation, SolveError};
+use crate::record::observation::{Observation, ObservedWave};
 
 /// Bounds of the knots, as shares of the last one.
 pub(crate) const KNOTS: (f64, f64) = (0.005, 0.995);
@@ -163,67 +164,69 @@ impl Momentum {
 /// Rounds of the augmented Lagrangian.
 const ROUNDS: usize = 12;
 
-/// Fits the first nonlinear model under the side constraints of its paper: `k1 <= k2`, `c1 >= c2 >= c3`, and at the
-/// time of dynamic crush `x = C` and `v = 0`.
-///
-/// The coefficients are sums of parts that are not negative, which keeps their order: `k2 = k1 + d`, `c1 = c2 + e`,
-/// `c2 = c3 + f`. Bounded Levenberg-Marquardt in these parts and the knot, from nine knots whose parts follow from
-/// the momentum balance. The two equations are met by an augmented Lagrangian around that, to 1e-9 of crush and speed
-/// where they can be met at all; see [`conditions_at_crush`](crate::conditions_at_crush) for what is left.
-/// `constrained` false leaves them out, for a record that never stops.
-///
-/// The error in the record of the fit is that of the displacement alone. No standard deviations: at the constraints
-/// they have no linear form. Single-mass paper, section 4.1. Errors: values that are not positive, a window outside
-/// the record, no start with a finite response.
-pub fn fit_nonlinear1(
-    displacement: &Signal<Displacement>,
-    options: &SingleMassFitOptions,
-    constrained: bool,
-) -> Result<(Nonlinear1, Fit), SolveError> {
-    options.check()?;
-    let observed = options.observed(displacement)?;
-    let momentum = Momentum::of(&observed.waves[0], options);
-    let springs = momentum.columns(&momentum.x, &[0.0, 1.0]);
-    let sum = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a + b).collect() };
-    // k = k1 + (k2 - k1) ramp; c = c3 + (c2 - c3) [first two hats] + (c1 - c2) [first hat].
-    let spring_parts = vec![sum(&springs[0], &springs[1]), springs[1].clone()];
-    let mut starts: Vec<Start> = DAMPER_KNOTS
-        .iter()
-        .map(|knee| {
-            let c = momentum.columns(&momentum.v, &[0.0, *knee, 1.0]);
-            let two = sum(&c[0], &c[1]);
-            let parts = vec![c[0].clone(), two.clone(), sum(&two, &c[2])];
-            let (values, cost) = momentum.solve(&spring_parts, &parts);
-            Start { knots: vec![*knee], values, cost }
-        })
-        .collect();
-    starts.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    starts.truncate(REFINED);
-    let rate = options.impact_speed_m_per_s / options.crush_m;
-    // Of the dampers the smallest first, on which the others stand.
-    let point = |s: &Start| [0, 1, 4, 3, 2].map(|i| s.values[i] / rate).into_iter().chain([s.knots[0]]).collect();
-    let coordinates = parts(options);
-    let problem = Problem { unit: options.crush_m, ..Problem::new(&coordinates, &observed, 0.0) };
-    let points = starts.iter().map(point).collect();
-    let [sorting, to_the_end] = [(30, 1e-4), (120, 1e-10)].map(|(steps, worth)| bounds(&coordinates, steps, worth));
-    let (best, mut evaluations) = best_of_starts(&problem, points, [&sorting, &to_the_end], FOLLOWED);
-    let mut best = best.ok_or(SolveError::NoFit { starts: REFINED })?;
-    if constrained {
-        if let Some((end, spent, _)) = descend_to_conditions(&problem, options, &best.theta, (1e-10, 1e-9)) {
-            evaluations += spent;
-            best = end;
+impl SingleMassFitOptions {
+    /// Fits the first nonlinear model under the side constraints of its paper: `k1 <= k2`, `c1 >= c2 >= c3`, and at the
+    /// time of dynamic crush `x = C` and `v = 0`.
+    ///
+    /// The coefficients are sums of parts that are not negative, which keeps their order: `k2 = k1 + d`, `c1 = c2 + e`,
+    /// `c2 = c3 + f`. Bounded Levenberg-Marquardt in these parts and the knot, from nine knots whose parts follow from
+    /// the momentum balance. The two equations are met by an augmented Lagrangian around that, to 1e-9 of crush and
+    /// speed where they can be met at all; see [`conditions_at_crush`](Self::conditions_at_crush) for what is left.
+    /// `constrained` false leaves them out, for a record that never stops.
+    ///
+    /// The error in the record of the fit is that of the displacement alone. No standard deviations: at the constraints
+    /// they have no linear form. Single-mass paper, section 4.1. Errors: values that are not positive, a window outside
+    /// the record, no start with a finite response.
+    pub fn fit_nonlinear1(
+        &self,
+        displacement: &Signal<Displacement>,
+        constrained: bool,
+    ) -> Result<(Nonlinear1, Fit), SolveError> {
+        self.check()?;
+        let observed = self.observed(displacement)?;
+        let momentum = Momentum::of(&observed.waves[0], self);
+        let springs = momentum.columns(&momentum.x, &[0.0, 1.0]);
+        let sum = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a + b).collect() };
+        // k = k1 + (k2 - k1) ramp; c = c3 + (c2 - c3) [first two hats] + (c1 - c2) [first hat].
+        let spring_parts = vec![sum(&springs[0], &springs[1]), springs[1].clone()];
+        let mut starts: Vec<Start> = DAMPER_KNOTS
+            .iter()
+            .map(|knee| {
+                let c = momentum.columns(&momentum.v, &[0.0, *knee, 1.0]);
+                let two = sum(&c[0], &c[1]);
+                let parts = vec![c[0].clone(), two.clone(), sum(&two, &c[2])];
+                let (values, cost) = momentum.solve(&spring_parts, &parts);
+                Start { knots: vec![*knee], values, cost }
+            })
+            .collect();
+        starts.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        starts.truncate(REFINED);
+        let rate = self.impact_speed_m_per_s / self.crush_m;
+        // Of the dampers the smallest first, on which the others stand.
+        let point = |s: &Start| [0, 1, 4, 3, 2].map(|i| s.values[i] / rate).into_iter().chain([s.knots[0]]).collect();
+        let coordinates = parts(self);
+        let problem = Problem { unit: self.crush_m, ..Problem::new(&coordinates, &observed, 0.0) };
+        let points = starts.iter().map(point).collect();
+        let [sorting, to_the_end] = [(30, 1e-4), (120, 1e-10)].map(|(steps, worth)| bounds(&coordinates, steps, worth));
+        let (best, mut evaluations) = best_of_starts(&problem, points, [&sorting, &to_the_end], FOLLOWED);
+        let mut best = best.ok_or(SolveError::NoFit { starts: REFINED })?;
+        if constrained {
+            if let Some((end, spent, _)) = descend_to_conditions(&problem, self, &best.theta, (1e-10, 1e-9)) {
+                evaluations += spent;
+                best = end;
+            }
+            // The cost of the record alone.
+            let mut residuals = vec![0.0; problem.rows()];
+            if problem.residuals(&best.theta, &mut residuals) {
+                best.cost = residuals.iter().map(|x| x * x).sum();
+            }
         }
-        // The cost of the record alone.
-        let mut residuals = vec![0.0; problem.rows()];
-        if problem.residuals(&best.theta, &mut residuals) {
-            best.cost = residuals.iter().map(|x| x * x).sum();
+        // A part on its bound makes two coefficients equal.
+        let fit = record_of_fit(&coordinates, &observed, &best, evaluations, self);
+        match coordinates.model(&best.theta) {
+            Some(Model::Nonlinear1(model)) => Ok((model, fit)),
+            _ => Err(SolveError::NoFit { starts: REFINED }),
         }
-    }
-    // A part on its bound makes two coefficients equal.
-    let fit = record_of_fit(&coordinates, &observed, &best, evaluations, options);
-    match coordinates.model(&best.theta) {
-        Some(Model::Nonlinear1(model)) => Ok((model, fit)),
-        _ => Err(SolveError::NoFit { starts: REFINED }),
     }
 }
 
@@ -289,72 +292,71 @@ const SPRING_KNOTS: [f64; 9] = [0.1, 0.25, 0.4, 0.55, 0.7, 0.8, 0.87, 0.93, 0.97
 /// Steps that sort the starts into hopeful and hopeless.
 const SORTING_STEPS: u32 = 10;
 
-/// Searches for the ten parameters of the second nonlinear model on the motion itself.
-///
-/// For fixed knots the force is linear in the seven coefficients, and the momentum it takes,
-/// `m (v0 - v(t)) = sum of coefficient_j times the integral of hat_j`, needs no acceleration: non-negative least
-/// squares on a grid of 324 knot vectors gives starting values; the best eight go through bounded Levenberg-Marquardt
-/// on a part of the samples of the simulated displacement, the best two to the end, the better of them then on all
-/// samples. Deterministic. From the exact displacement of the paper's own parameters all ten come back. A real record
-/// determines fewer.
-///
-/// Errors: masses, speed or crush that are not positive, a window outside the record, no finite response.
-pub fn search_nonlinear2(
-    displacement: &Signal<Displacement>,
-    options: &SingleMassFitOptions,
-) -> Result<(Nonlinear2, Fit), SolveError> {
-    options.check()?;
-    let observed = options.observed(displacement)?;
-    let momentum = Momentum::of(&observed.waves[0], options);
-    let springs: Vec<_> = SPRING_KNOTS.iter().map(|x1| momentum.columns(&momentum.x, &[0.0, *x1, 1.0])).collect();
-    let pairs: Vec<(f64, f64)> = DAMPER_KNOTS
-        .iter()
-        .enumerate()
-        .flat_map(|(i, v1)| DAMPER_KNOTS[i + 1..].iter().map(move |v2| (*v1, *v2)))
-        .collect();
-    let mut starts: Vec<Start> = pairs
-        .par_iter()
-        .flat_map_iter(|(v1, v2)| {
-            let damper = momentum.columns(&momentum.v, &[0.0, *v1, *v2, 1.0]);
-            let tried: Vec<Start> = springs
-                .iter()
-                .zip(SPRING_KNOTS)
-                .map(|(spring, x1)| {
-                    let (values, cost) = momentum.solve(spring, &damper);
-                    Start { knots: vec![x1, *v1, *v2], values, cost }
-                })
-                .collect();
-            tried
-        })
-        .collect();
-    starts.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    starts.truncate(REFINED);
+impl SingleMassFitOptions {
+    /// Searches for the ten parameters of the second nonlinear model on the motion itself.
+    ///
+    /// For fixed knots the force is linear in the seven coefficients, and the momentum it takes, `m (v0 - v(t)) = sum
+    /// of coefficient_j times the integral of hat_j`, needs no acceleration: non-negative least squares on a grid of
+    /// 324 knot vectors gives starting values; the best eight go through bounded Levenberg-Marquardt on a part of the
+    /// samples of the simulated displacement, the best two to the end, the better of them then on all samples.
+    /// Deterministic. From the exact displacement of the paper's own parameters all ten come back. A real record
+    /// determines fewer.
+    ///
+    /// Errors: masses, speed or crush that are not positive, a window outside the record, no finite response.
+    pub fn search_nonlinear2(&self, displacement: &Signal<Displacement>) -> Result<(Nonlinear2, Fit), SolveError> {
+        self.check()?;
+        let observed = self.observed(displacement)?;
+        let momentum = Momentum::of(&observed.waves[0], self);
+        let springs: Vec<_> = SPRING_KNOTS.iter().map(|x1| momentum.columns(&momentum.x, &[0.0, *x1, 1.0])).collect();
+        let pairs: Vec<(f64, f64)> = DAMPER_KNOTS
+            .iter()
+            .enumerate()
+            .flat_map(|(i, v1)| DAMPER_KNOTS[i + 1..].iter().map(move |v2| (*v1, *v2)))
+            .collect();
+        let mut starts: Vec<Start> = pairs
+            .par_iter()
+            .flat_map_iter(|(v1, v2)| {
+                let damper = momentum.columns(&momentum.v, &[0.0, *v1, *v2, 1.0]);
+                let tried: Vec<Start> = springs
+                    .iter()
+                    .zip(SPRING_KNOTS)
+                    .map(|(spring, x1)| {
+                        let (values, cost) = momentum.solve(spring, &damper);
+                        Start { knots: vec![x1, *v1, *v2], values, cost }
+                    })
+                    .collect();
+                tried
+            })
+            .collect();
+        starts.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        starts.truncate(REFINED);
 
-    // Momentum over v0: a spring coefficient is in units of m v0/C a second, a damper one of m a second.
-    let to_theta = |start: &Start| -> Vec<f64> {
-        let rate = options.impact_speed_m_per_s / options.crush_m;
-        let v: Vec<f64> = start.values.iter().map(|x| x / rate).collect();
-        vec![v[0], v[1], v[2], start.knots[0], v[3], v[4], v[5], v[6], start.knots[1], start.knots[2]]
-    };
-    let coordinates = shares(options);
-    let problem = Problem { unit: options.crush_m, ..Problem::new(&coordinates, &observed, 0.0) };
-    let points = starts.iter().map(to_theta).collect();
-    let sorting = bounds(&coordinates, SORTING_STEPS, 1e-4);
-    let to_the_end = Bounds { slow: SLOW, ..bounds(&coordinates, 60, 1e-9) };
-    let (best, evaluations) = best_of_starts(&problem, points, [&sorting, &to_the_end], FOLLOWED);
-    let best = best.ok_or(SolveError::NoFit { starts: REFINED })?;
-    // The knots of the damper stand in rising order in the model.
-    let mut ordered = best.clone();
-    if best.theta[8] > best.theta[9] {
-        for (i, j) in [(5, 6), (8, 9)] {
-            ordered.theta.swap(i, j);
-            ordered.on_bound.swap(i, j);
+        // Momentum over v0: a spring coefficient is in units of m v0/C a second, a damper one of m a second.
+        let to_theta = |start: &Start| -> Vec<f64> {
+            let rate = self.impact_speed_m_per_s / self.crush_m;
+            let v: Vec<f64> = start.values.iter().map(|x| x / rate).collect();
+            vec![v[0], v[1], v[2], start.knots[0], v[3], v[4], v[5], v[6], start.knots[1], start.knots[2]]
+        };
+        let coordinates = shares(self);
+        let problem = Problem { unit: self.crush_m, ..Problem::new(&coordinates, &observed, 0.0) };
+        let points = starts.iter().map(to_theta).collect();
+        let sorting = bounds(&coordinates, SORTING_STEPS, 1e-4);
+        let to_the_end = Bounds { slow: SLOW, ..bounds(&coordinates, 60, 1e-9) };
+        let (best, evaluations) = best_of_starts(&problem, points, [&sorting, &to_the_end], FOLLOWED);
+        let best = best.ok_or(SolveError::NoFit { starts: REFINED })?;
+        // The knots of the damper stand in rising order in the model.
+        let mut ordered = best.clone();
+        if best.theta[8] > best.theta[9] {
+            for (i, j) in [(5, 6), (8, 9)] {
+                ordered.theta.swap(i, j);
+                ordered.on_bound.swap(i, j);
+            }
         }
-    }
-    let fit = record_of_fit(&coordinates, &observed, &ordered, evaluations, options);
-    match coordinates.model(&best.theta) {
-        Some(Model::Nonlinear2(model)) => Ok((model, fit)),
-        _ => Err(SolveError::NoFit { starts: REFINED }),
+        let fit = record_of_fit(&coordinates, &observed, &ordered, evaluations, self);
+        match coordinates.model(&best.theta) {
+            Some(Model::Nonlinear2(model)) => Ok((model, fit)),
+            _ => Err(SolveError::NoFit { starts: REFINED }),
+        }
     }
 }
 

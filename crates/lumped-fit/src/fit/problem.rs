@@ -2,13 +2,13 @@
 
 use crumple_lumped::{Instants, Model, Motion, Nonlinear1, Place, Structure};
 use crumple_numerics::estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
-use crumple_signal::{Displacement, Signal};
+use crumple_signal::{Displacement, Measurement, Signal};
 use nalgebra::DMatrix;
 
 use crate::coordinates::{Coordinates, moved_numbers};
-use crate::error::positive;
+use crate::error::{SolveError, positive};
 use crate::fit::search::bounds;
-use crate::{Measurement, Observation, SolveError};
+use crate::record::observation::Observation;
 
 /// Mass, speed, crush and window of a fit of a single mass to its displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -100,11 +100,13 @@ impl AtCrush {
     }
 }
 
-/// `x(t_m)/C - 1` and `v(t_m)/v0` of a model at the time of dynamic crush of the options: zero where the side
-/// conditions are met. `None` without a response.
-pub fn conditions_at_crush(model: &Nonlinear1, options: &SingleMassFitOptions) -> Option<[f64; 2]> {
-    let structure = Model::Nonlinear1(*model).structure().ok()?;
-    Some(AtCrush::new(options).conditions(&structure, &[])?.0)
+impl SingleMassFitOptions {
+    /// `x(t_m)/C - 1` and `v(t_m)/v0` of a model at the time of dynamic crush of the options: zero where the side
+    /// conditions are met. `None` without a response.
+    pub fn conditions_at_crush(&self, model: &Nonlinear1) -> Option<[f64; 2]> {
+        let structure = Model::Nonlinear1(*model).structure().ok()?;
+        Some(AtCrush::new(self).conditions(&structure, &[])?.0)
+    }
 }
 
 /// Misfit, in parts of the largest value, that no accelerometer can tell from none: its gain is known to a hundredth.

@@ -10,11 +10,11 @@ use std::sync::Arc;
 
 use crumple_lumped::{Instants, LumpedError, Model, Motion, Place, Structure, steps_taken};
 use crumple_numerics::estimation::work::Work;
-use crumple_signal::{ABREAST, Displacement, Sampled, Signal};
+use crumple_signal::{ABREAST, Displacement, Measurement, Sampled, Signal};
 use rayon::prelude::*;
 
-use crate::record::sensor::{motion_of, response_of};
-use crate::{FitQuantity, Measurement, SolveError};
+use crate::error::SolveError;
+use crate::record::sensor::{FitQuantity, motion_of, response_of};
 
 /// The impact that a wave is of.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,10 +5,10 @@ use std::fmt;
 use std::str::FromStr;
 
 use crumple_lumped::{Instants, LumpedError, Motion, Place, Sensitivity, Structure, Waves};
-use crumple_signal::{Displacement, QuantityKind, Sampled, Signal};
+use crumple_signal::{Displacement, Measurement, QuantityKind, Sampled, Signal};
 
+use crate::error::SolveError;
 use crate::record::observation::ObservedWave;
-use crate::{Measurement, SolveError};
 
 /// What of a motion is fitted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, PartialOrd, Ord)]
@@ -106,7 +106,7 @@ const ERRORS: &str = "root mean square errors ";
 
 /// The root mean square error of each sensor with its channel and place: `8.1 mm at 93 (compartment)`. Displacements
 /// are given in mm, forces in kN, other quantities in their SI unit.
-pub fn errors_in_words<'a>(errors: impl IntoIterator<Item = (f64, FitQuantity, &'a str, String)>) -> String {
+pub(crate) fn errors_in_words<'a>(errors: impl IntoIterator<Item = (f64, FitQuantity, &'a str, String)>) -> String {
     let error_text = |(rmse, quantity, channel, place): (f64, FitQuantity, &str, String)| {
         let (value, unit) = match quantity {
             FitQuantity::Displacement => (1e3 * rmse, "mm"),
@@ -120,7 +120,7 @@ pub fn errors_in_words<'a>(errors: impl IntoIterator<Item = (f64, FitQuantity, &
 
 /// The note on these [`errors_in_words`]. `seen`: how the model was compared, `"through the filter"`; `None` for the
 /// motion itself.
-pub fn note_of_errors(errors: &str, seen: Option<&str>) -> String {
+pub(crate) fn note_of_errors(errors: &str, seen: Option<&str>) -> String {
     let seen = seen.map_or_else(String::new, |seen| format!("seen {seen} "));
     format!("{ERRORS}{seen}{errors}; residuals weighted by the noise level of each sensor")
 }

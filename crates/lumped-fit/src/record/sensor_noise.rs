@@ -7,8 +7,8 @@
 use crumple_signal::TwoPassFilter;
 use nalgebra::{DMatrix, DVector};
 
-use crate::FitQuantity;
 use crate::record::observation::ObservedWave;
+use crate::record::sensor::FitQuantity;
 
 /// Directions of the sensitivities below this share of the strongest are rounding.
 const RANK_TOLERANCE: f64 = 1e-8;
@@ -225,10 +225,9 @@ pub(crate) mod tests {
     use std::f64::consts::SQRT_2;
 
     use crumple_numerics::estimation::random::RandomNumbers;
-    use crumple_signal::{BeforeEvent, IntegrationRule, Sampled, coarse_step, integrate_twice};
+    use crumple_signal::{BeforeEvent, IntegrationRule, Measurement, Sampled, coarse_step, integrate_twice};
 
     use super::*;
-    use crate::Measurement;
 
     const DT_S: f64 = 2e-4;
     /// Samples from 50 ms before contact to 80 ms after it.

@@ -165,8 +165,8 @@ fn slow_part(misfit: &[f64], dt_s: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::FitQuantity;
     use crate::record::observation::ObservedWave;
+    use crate::record::sensor::FitQuantity;
     use crumple_lumped::{Kelvin, Model};
     use crumple_signal::{Measurement, Sampled};
 

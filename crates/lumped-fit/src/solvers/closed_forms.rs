@@ -8,15 +8,16 @@
 use crumple_lumped::{CrushedStructure, Elastoplastic, MOST_KNOTS, Model};
 use crumple_signal::{Displacement, Note, Notes, Signal};
 
-use crate::closed_form::{RIGID_RESTITUTION, elastoplastic_of_record};
+use crate::candidate::{Candidate, Minimum};
+use crate::closed_form::{KelvinBranch, RIGID_RESTITUTION, elastoplastic_of_record, kelvin_from_events};
+use crate::error::SolveError;
+use crate::extraction::extract::extract;
+use crate::extraction::problem::{AskedCurve, ExtractionTest, MeasuredElement, MeasuredMass};
 use crate::parameters::free_parameters;
+use crate::record::sensor::SensorPlace;
 use crate::solvers::fitting::{FitStart, FitTask, computed};
 use crate::solvers::load_paths;
 use crate::solvers::table::{Extent, Task, crush_of, extent_of};
-use crate::{
-    AskedCurve, Candidate, ExtractionTest, KelvinBranch, MeasuredElement, MeasuredMass, Minimum, SensorPlace,
-    SolveError, extract, kelvin_from_events,
-};
 
 /// Starts of the loading stiffness of a record that never stops, over `m (v0/C)²`.
 const STIFFNESSES: [f64; 5] = [0.1, 0.3, 1.0, 2.0, 4.0];

@@ -2,19 +2,17 @@
 //! start leads to.
 
 use crumple_lumped::{Elastoplastic, Model, Nonlinear1, ParameterKind};
-use crumple_signal::{Note, Notes};
+use crumple_signal::{Measurement, Note, Notes};
 
-use crate::candidate::fixed_at_bound;
-use crate::coordinates::largest_of_chain;
+use crate::candidate::{Candidate, Fit, Minimum, bounds_remark, fixed_at_bound};
+use crate::coordinates::{MassFit, largest_of_chain};
+use crate::error::SolveError;
 use crate::fit::as_measured::{fit_as_measured, fit_nearby};
 use crate::parameters::{FitParameter, free_masses, free_parameters, mass_of};
-use crate::record::sensor::{errors_in_words, note_of_errors};
+use crate::record::observation::{Observation, ObservedWave};
+use crate::record::sensor::{FitQuantity, Sensor, SensorPlace, errors_in_words, note_of_errors};
 use crate::solvers::table::{Task, mass_count};
 use crate::uncertainty::acceleration_likelihood::least_acceleration_misfit;
-use crate::{
-    Candidate, Fit, FitQuantity, MassFit, Measurement, Minimum, Observation, ObservedWave, Sensor, SensorPlace,
-    SolveError, bounds_remark,
-};
 
 /// Why a model cannot be fitted: sensors of two different places are on one of its masses, which has one motion. One
 /// channel named for two places is one sensor; two channels of one place are two measurements of it, and allowed.

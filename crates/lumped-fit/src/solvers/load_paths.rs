@@ -6,19 +6,23 @@
 //! and the force on the wall where that is fitted.
 
 use crumple_lumped::{CrushedLoadPaths, LOAD_PATHS, LoadPath, MOST_KNOTS_OF_PATH, Model, ModelKind};
-use crumple_signal::{Displacement, Notes, Sampled, Signal};
+use crumple_signal::{Displacement, Notes, Sampled, Signal, TwoPassFilter};
 
-use crate::parameters::{free_masses, free_parameters};
+use crate::candidate::{Candidate, Minimum};
+use crate::coordinates::MassFit;
+use crate::error::SolveError;
+use crate::extraction::extract::extract;
+use crate::extraction::problem::{
+    AskedCurve, ExtractionTest, MeasuredElement, MeasuredMass, MeasuredThrough, MeasuredWall,
+};
+use crate::parameters::{MassEvidence, free_masses, free_parameters, masses};
+use crate::record::observation::{Observation, ObservedWave};
+use crate::record::sensor::{FitQuantity, SensorPlace};
 use crate::selection::evidence::Evidence;
 use crate::selection::rating::ComparedRecord;
 use crate::solvers::closed_forms::{KNOT_SPACING_S, RATE_PRIOR_S_PER_M, restitution};
 use crate::solvers::fitting::{FitStart, FitTask};
 use crate::solvers::table::{Extent, Task};
-use crate::{
-    AskedCurve, Candidate, ExtractionTest, FitQuantity, MassEvidence, MassFit, MeasuredElement, MeasuredMass,
-    MeasuredThrough, MeasuredWall, Minimum, Observation, ObservedWave, SensorPlace, SolveError, TwoPassFilter, extract,
-    masses,
-};
 
 /// Front and rear mass of each path, by their place; none: the wall.
 const ENDS: [(Option<usize>, usize); LOAD_PATHS] = [(None, 0), (Some(0), 1), (None, 1)];

@@ -6,16 +6,18 @@ use crumple_numerics::estimation::minimise::levenberg_marquardt::{Optimum, desce
 use crumple_signal::Notes;
 use rayon::prelude::*;
 
-use crate::coordinates::{Coordinates, Scale};
+use crate::candidate::{Candidate, Method, Minimum};
+use crate::closed_form::{elastoplastic_from_events, kelvin_from_events};
+use crate::coordinates::{Coordinates, MassFit, Scale};
+use crate::error::SolveError;
 use crate::fit::as_measured::{dual_of, exchanged, is_own_dual};
 use crate::fit::problem::{Problem, SingleMassFitOptions};
 use crate::fit::search::{APART, AS_GOOD, REPORTED, Search, Searched, bounds, search};
+use crate::parameters::{MassEvidence, masses, triple_masses};
+use crate::record::observation::RESOLUTION_M;
+use crate::record::sensor::FitQuantity;
 use crate::solvers::fitting::{FitStart, FitTask};
 use crate::solvers::table::{Task, mass_count};
-use crate::{
-    Candidate, FitQuantity, MassEvidence, MassFit, Method, Minimum, RESOLUTION_M, SolveError,
-    elastoplastic_from_events, fit_nonlinear1, kelvin_from_events, masses, search_nonlinear2, triple_masses,
-};
 
 /// The fit of the table: a search on the motion itself, by descents or by L-SHADE, then the fit as measured.
 ///
@@ -191,9 +193,9 @@ fn given_starts(task: &Task<'_>, coordinates: &Coordinates, masses_kg: &[f64], t
                 samples: task.settings.fit_samples,
             };
             if task.model == ModelKind::Nonlinear1 {
-                fit_nonlinear1(displacement, &options, false).ok().map(|(model, _)| Model::Nonlinear1(model))
+                options.fit_nonlinear1(displacement, false).ok().map(|(model, _)| Model::Nonlinear1(model))
             } else {
-                search_nonlinear2(displacement, &options).ok().map(|(model, _)| Model::Nonlinear2(model))
+                options.search_nonlinear2(displacement).ok().map(|(model, _)| Model::Nonlinear2(model))
             }
         }
         _ => None,

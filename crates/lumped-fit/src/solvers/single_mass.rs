@@ -3,14 +3,12 @@
 use crumple_lumped::{Maxwell, Model};
 use crumple_signal::{Displacement, Note, Notes, Signal};
 
+use crate::candidate::{Candidate, Fit, bounds_remark};
+use crate::error::SolveError;
 use crate::fit::problem::SingleMassFitOptions;
 use crate::solvers::fitting::{FitStart, FitTask, computed, window_note};
 use crate::solvers::sensors;
 use crate::solvers::table::{Extent, Task, crush_of, extent_of};
-use crate::{
-    Candidate, Fit, SolveError, bounds_remark, conditions_at_crush, firefly_nonlinear2, fit_nonlinear1,
-    interior_point_nonlinear1, search_nonlinear2,
-};
 
 /// A model with the record of how it was found on the motion itself, or why there is none.
 type OnTheMotion = Result<(Model, Fit), SolveError>;
@@ -48,8 +46,8 @@ pub(crate) fn nonlinear1(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
             "k1 <= k2, c1 >= c2 >= c3; the conditions at dynamic crush are left out, since the record has none"
                 .to_owned()
         });
-        let (model, fit) = fit_nonlinear1(x, options, extent.stops)?;
-        if let Some([crush, speed]) = conditions_at_crush(&model, options).filter(|left| extent.stops && !met(left)) {
+        let (model, fit) = options.fit_nonlinear1(x, extent.stops)?;
+        if let Some([crush, speed]) = options.conditions_at_crush(&model).filter(|left| extent.stops && !met(left)) {
             missed = Some(format!(
                 "the conditions at dynamic crush are not met: crush {:.3} % off, speed {:.3} % of that at impact left",
                 100.0 * crush,
@@ -81,7 +79,7 @@ pub(crate) fn interior_point(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<C
              the same point"
                 .to_owned(),
         );
-        let (model, fit) = interior_point_nonlinear1(x, options)?;
+        let (model, fit) = options.interior_point_nonlinear1(x)?;
         Ok((Model::Nonlinear1(model), fit))
     })
 }
@@ -93,7 +91,7 @@ pub(crate) fn nonlinear2(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
     }
     let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };
     fitted(task, &extent, notes, |x, options, _| {
-        let (model, fit) = search_nonlinear2(x, options)?;
+        let (model, fit) = options.search_nonlinear2(x)?;
         Ok((Model::Nonlinear2(model), fit))
     })
 }
@@ -102,7 +100,7 @@ pub(crate) fn nonlinear2(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
 pub(crate) fn firefly(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, SolveError> {
     let Some(extent) = extent_of(task, notes) else { return Ok(Vec::new()) };
     as_printed(task, &extent, notes, |x, options, remarks| {
-        let best = firefly_nonlinear2(x, options, &task.settings.firefly)?;
+        let best = options.firefly_nonlinear2(x, &task.settings.firefly)?;
         remarks.push(if best.attraction > 0.0 {
             format!("mean attraction of two fireflies at the start {:.3}", best.attraction)
         } else {

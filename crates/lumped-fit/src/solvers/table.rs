@@ -11,13 +11,14 @@ use crumple_numerics::estimation::work::determined;
 use crumple_signal::{About, Notes, Sampled, Weight};
 use rayon::prelude::*;
 
-use crate::record::sensor::{Sensor, TestData};
+use crate::candidate::{Candidate, Method, Minimum};
+use crate::coordinates::MassFit;
+use crate::error::SolveError;
+use crate::papers::FireflyOptions;
+use crate::parameters::MassSplit;
+use crate::record::sensor::{FitQuantity, Sensor, TestData};
 use crate::solvers::closed_forms::ONE_MASS_RATE_S_PER_M;
 use crate::solvers::{closed_forms, sensors, single_mass};
-use crate::{Candidate, FireflyOptions, FitQuantity, MassFit, MassSplit, Method, Minimum, SolveError};
-
-/// Engine and front structure of a passenger car are about a quarter of it: an assumption, which a note states.
-pub const FRONT_MASS_FRACTION: f64 = 0.25;
 
 /// Models, methods, masses and window that are solved for. Defaults follow from the table of solvers.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,12 +55,12 @@ pub struct SolveSettings {
 
 /// What a solver works on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Needs {
+pub(crate) enum Needs {
     /// The crash events.
     Events,
     /// The motion of the test, and its events where it has them.
     Motion,
-    /// An identified model; see [`match_identified`](crate::match_identified).
+    /// An identified model; see [`Identified::matched`](crate::Identified::matched).
     IdentifiedModel,
 }
 
@@ -162,7 +163,7 @@ type Solve = fn(&Task<'_>, &mut Notes) -> Result<Vec<Candidate>, SolveError>;
 
 /// A row of the table: one way to solve for one model.
 #[derive(Debug, Clone, Copy)]
-pub struct Solver {
+pub(crate) struct Solver {
     /// The model.
     pub model: ModelKind,
     /// The method.
@@ -228,15 +229,15 @@ pub(crate) const SOLVERS: &[Solver] = {
 /// the triple model, which one sensor does not determine.
 const NOT_BY_DEFAULT: &[ModelKind] = &[ModelKind::Nonlinear1, ModelKind::TripleSpringMassDamper];
 
-/// Models this crate can solve for, in the order of the result.
-pub static MODELS: LazyLock<Vec<ModelKind>> = LazyLock::new(|| {
+/// See [`SolveSettings::all_models`].
+static MODELS: LazyLock<Vec<ModelKind>> = LazyLock::new(|| {
     let mut models: Vec<_> = SOLVERS.iter().map(|solver| solver.model).collect();
     models.dedup();
     models
 });
 
-/// Those solved for where none is asked for.
-pub static DEFAULT_MODELS: LazyLock<Vec<ModelKind>> =
+/// See [`SolveSettings::default_models`].
+static DEFAULT_MODELS: LazyLock<Vec<ModelKind>> =
     LazyLock::new(|| MODELS.iter().copied().filter(|model| !NOT_BY_DEFAULT.contains(model)).collect());
 
 impl Default for SolveSettings {
@@ -245,7 +246,7 @@ impl Default for SolveSettings {
         Self {
             models: DEFAULT_MODELS.clone(),
             methods: Vec::new(),
-            split: MassSplit::FrontFraction(FRONT_MASS_FRACTION),
+            split: MassSplit::FrontFraction(MassSplit::USUAL_FRONT),
             triple: None,
             mass_fit: MassFit::Known,
             quantity: FitQuantity::Displacement,
@@ -262,6 +263,16 @@ impl Default for SolveSettings {
 }
 
 impl SolveSettings {
+    /// Models this crate can solve for, in the order of the result.
+    pub fn all_models() -> &'static [ModelKind] {
+        &MODELS
+    }
+
+    /// Those solved for where none is asked for.
+    pub fn default_models() -> &'static [ModelKind] {
+        &DEFAULT_MODELS
+    }
+
     /// How many times the starts and evaluations of a usual search these are, at least one.
     pub fn searches(&self) -> usize {
         let usual = Self::default();
@@ -296,6 +307,11 @@ impl Method {
         SOLVERS.iter().any(|solver| solver.model == model && solver.method == self)
     }
 
+    /// Those that solve for a model without being asked for.
+    pub fn default_of(model: ModelKind) -> impl Iterator<Item = Self> {
+        solvers_of(model, &[]).into_iter().map(|solver| solver.method)
+    }
+
     /// Models it solves for.
     pub fn models(self) -> impl Iterator<Item = ModelKind> {
         SOLVERS.iter().filter(move |solver| solver.method == self).map(|solver| solver.model)
@@ -303,7 +319,7 @@ impl Method {
 }
 
 /// The solvers of a model among these methods, in their order; without any method those that need no asking.
-pub fn solvers_of(model: ModelKind, methods: &[Method]) -> Vec<&'static Solver> {
+fn solvers_of(model: ModelKind, methods: &[Method]) -> Vec<&'static Solver> {
     let of_model = || SOLVERS.iter().filter(move |solver| solver.model == model);
     if methods.is_empty() {
         of_model().filter(|solver| solver.by_default).collect()

@@ -412,9 +412,12 @@ impl<'a> Straight<'a> {
 
 #[cfg(test)]
 pub(crate) mod tests {
+    use crate::candidate::Intervals;
     use crate::fit::as_measured::fit_as_measured;
+    use crate::parameters::free_parameters;
+    use crate::record::observation::{MeasureModel, Observation};
     use crate::record::sensor_noise::tests::recorded_noise;
-    use crate::{AssessmentOptions, Intervals, MeasureModel, Observation, assess, free_parameters};
+    use crate::uncertainty::assessment::AssessmentOptions;
     use crumple_lumped::{Kelvin, Model, Nonlinear1};
     use crumple_signal::{Displacement, Signal};
 
@@ -445,7 +448,7 @@ pub(crate) mod tests {
         let observed = recorded(truth, size, seed);
         let free = free_parameters(truth, IMPACT_SPEED_M_PER_S, CRUSH_M);
         let minimum = fit_as_measured(truth, &free, &observed).unwrap();
-        assess(&minimum, None, AssessmentOptions::default()).unwrap().interval
+        minimum.assess(None, AssessmentOptions::default()).unwrap().interval
     }
 
     #[test]
@@ -473,7 +476,7 @@ pub(crate) mod tests {
             let observed = recorded(&truth, 2.0, seed);
             let minimum = fit_as_measured(&truth, &free_parameters(&truth, IMPACT_SPEED_M_PER_S, CRUSH_M), &observed);
             let minimum = minimum.unwrap();
-            let least = assess(&minimum, None, AssessmentOptions::default()).unwrap().least_misfit.unwrap();
+            let least = minimum.assess(None, AssessmentOptions::default()).unwrap().least_misfit.unwrap();
             assert_eq!(least.inside.len(), 2);
             of_fit += (minimum.model.parameters()[name] - 9e3).powi(2);
             of_least += (least.parameters[name] - 9e3).powi(2);

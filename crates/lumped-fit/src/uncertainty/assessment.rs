@@ -15,11 +15,11 @@ use crumple_numerics::estimation::statistics::{
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use crate::FitQuantity;
 use crate::candidate::{Assessment, BlockBootstrap, Intervals, Minimum, Profile};
 use crate::coordinates::Coordinates;
 use crate::fit::as_measured::near;
 use crate::record::observation::Observation;
+use crate::record::sensor::FitQuantity;
 use crate::record::sensor_noise::SensorNoise;
 use crate::uncertainty::acceleration_likelihood::{AccelerationLikelihood, Ends, holding};
 use crate::uncertainty::curve_posterior::curve_intervals;
@@ -204,33 +204,35 @@ pub struct AssessmentOptions {
     pub bootstrap: usize,
 }
 
-/// Assesses a model at the minimum of its misfit; `None` where no parameter is determined.
-///
-/// `given`: the values to assess, where they are not those of the minimum, such as a closed form that follows two
-/// events instead of the whole curve. Their intervals are those of the minimum, as the shortest that also hold
-/// these values; the deviation holds the distance `a` from it, `s² + a²`.
-///
-/// A parameter at zero is assessed from its one side. One at another bound, or without effect in the window, is left
-/// out of the matrices and has an open interval. Where masses are fitted, the last one is the rest of the total and
-/// follows from the others.
-pub fn assess(minimum: &Minimum, given: Option<&Model>, options: AssessmentOptions) -> Option<Assessment> {
-    let coordinates = minimum.coordinates();
-    let of_given = |model: &Model| {
-        let values = model.values();
-        minimum.free.iter().map(|p| values[p.index]).collect::<Vec<f64>>()
-    };
-    let at = AtMinimum {
-        coordinates: &coordinates,
-        observed: &minimum.observed,
-        theta: &coordinates.start(),
-        on_bound: &minimum.on_bound,
-        misfit: &minimum.misfit_m,
-        sensitivities: &minimum.sensitivity_m,
-        of_curves: curve_intervals(minimum),
-    };
-    let mut assessment = at.assess(given.map(of_given).as_deref(), options)?;
-    open_knots_beside_open_ones(minimum.model.kind(), &mut assessment.interval);
-    Some(assessment)
+impl Minimum {
+    /// Assesses a model at the minimum of its misfit; `None` where no parameter is determined.
+    ///
+    /// `given`: the values to assess, where they are not those of the minimum, such as a closed form that follows two
+    /// events instead of the whole curve. Their intervals are those of the minimum, as the shortest that also hold
+    /// these values; the deviation holds the distance `a` from it, `s² + a²`.
+    ///
+    /// A parameter at zero is assessed from its one side. One at another bound, or without effect in the window, is
+    /// left out of the matrices and has an open interval. Where masses are fitted, the last one is the rest of the
+    /// total and follows from the others.
+    pub fn assess(&self, given: Option<&Model>, options: AssessmentOptions) -> Option<Assessment> {
+        let coordinates = self.coordinates();
+        let of_given = |model: &Model| {
+            let values = model.values();
+            self.free.iter().map(|p| values[p.index]).collect::<Vec<f64>>()
+        };
+        let at = AtMinimum {
+            coordinates: &coordinates,
+            observed: &self.observed,
+            theta: &coordinates.start(),
+            on_bound: &self.on_bound,
+            misfit: &self.misfit_m,
+            sensitivities: &self.sensitivity_m,
+            of_curves: curve_intervals(self),
+        };
+        let mut assessment = at.assess(given.map(of_given).as_deref(), options)?;
+        open_knots_beside_open_ones(self.model.kind(), &mut assessment.interval);
+        Some(assessment)
+    }
 }
 
 /// With one of two knots of a curve open, or fixed, the other may be either of them.
@@ -264,7 +266,7 @@ struct AtMinimum<'a> {
 }
 
 impl AtMinimum<'_> {
-    /// See [`assess`]; `given`: values of the free numbers, in their order.
+    /// See [`Minimum::assess`]; `given`: values of the free numbers, in their order.
     fn assess(&self, given: Option<&[f64]>, options: AssessmentOptions) -> Option<Assessment> {
         let (free, theta, names) = (&self.coordinates.free, self.theta, self.coordinates.names());
         // What stands on zero is assessed from its one side; what stands on the end of the search is not assessed.
@@ -494,12 +496,6 @@ fn of_the_rest(
         if half.is_finite() { (Some((value - half).max(0.0)), Some(value + half)) } else { (None, None) }
     };
     (deviation, ends)
-}
-
-/// Parameters with an open interval on at least one side, by name.
-pub fn undetermined(assessment: &Assessment) -> Vec<&str> {
-    let open = assessment.interval.iter().filter(|(_, (low, high))| low.is_none() || high.is_none());
-    open.map(|(name, _)| name.as_str()).collect()
 }
 
 #[cfg(test)]

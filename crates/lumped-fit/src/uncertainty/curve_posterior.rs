@@ -361,9 +361,9 @@ fn shortest(mut draws: Vec<f64>, fitted: f64, (range, may_be_open): (f64, bool),
 mod tests {
     use super::*;
     use crate::fit::as_measured::fit_as_measured;
-    use crate::free_parameters;
+    use crate::parameters::free_parameters;
     use crate::uncertainty::acceleration_likelihood::tests::{CRUSH_M, IMPACT_SPEED_M_PER_S, holds, recorded};
-    use crate::{AssessmentOptions, assess};
+    use crate::uncertainty::assessment::AssessmentOptions;
     use crumple_lumped::{Model, Nonlinear2};
 
     #[test]
@@ -431,7 +431,7 @@ mod tests {
         for seed in 0..12 {
             let minimum = fit_as_measured(&truth, &free, &recorded(&truth, 2.0, seed)).unwrap();
             let own = curve_intervals(&minimum);
-            let intervals = assess(&minimum, None, AssessmentOptions::default()).unwrap().interval;
+            let intervals = minimum.assess(None, AssessmentOptions::default()).unwrap().interval;
             let closed = |name: &&str| matches!(intervals[*name], (Some(_), Some(_)));
             let names: Vec<&str> = free.iter().map(|parameter| &*parameter.name).filter(closed).collect();
             held += names.iter().filter(|name| holds(&intervals, &truth, name)).count();

@@ -8,13 +8,13 @@ use crumple_numerics::estimation::minimise::levenberg_marquardt::{Bounds, Respon
 use crumple_numerics::estimation::statistics::normal_distribution;
 use rayon::prelude::*;
 
-use crate::FitQuantity;
 use crate::candidate::{Assessment, Intervals, Minimum, Profile};
 use crate::coordinates::Coordinates;
 use crate::fit::as_measured::near;
 use crate::fit::problem::Problem;
 use crate::parameters::{FitParameter, free_masses, masses_of};
 use crate::record::observation::ObservedWave;
+use crate::record::sensor::FitQuantity;
 use crate::uncertainty::acceleration_likelihood::{AccelerationLikelihood, Ends};
 use crate::uncertainty::transfer_posterior;
 
@@ -36,60 +36,61 @@ const LINEARISED: f64 = 0.01;
 /// Bisections of an end of the mixture.
 const BISECTIONS: usize = 60;
 
-/// Widens the intervals of an assessment by a share of the mass in front of the last one that lies anywhere within
-/// `half_width` of that of the minimum.
-///
-/// Of a double model whose misfit the noise before the event explains, they are those of its transfer function, see
-/// `transfer_posterior`, with a share that is known (`half_width` 0) too. All of them hold the fitted value.
-///
-/// Else the fit is repeated at eight other shares, the masses in front in their proportion to each other and the total
-/// kept.
-/// The interval reaches from the 2.5th to the 97.5th percentile of the mixture of all shares: at each one a normal
-/// distribution, in logarithms where no end is zero, as wide as at the assumed share. Where the model follows the
-/// record below its resolution, shares at which it does so less count less, as in a profile of the likelihood. Shares
-/// without a fit and those beyond are left out; a parameter that is open at the assumed share is open. Standard
-/// deviation and correlation stay those at the share of the minimum. Nothing changes for one mass, where masses are
-/// fitted, or else with a share that is known.
-pub fn widen_by_mass_split(minimum: &Minimum, assessment: &mut Assessment, half_width: f64) {
-    let masses = masses_of(&minimum.model);
-    let total: f64 = masses.iter().map(|(_, kg)| kg).sum();
-    let Some((_, last)) = masses.last().filter(|_| masses.len() > 1) else { return };
-    let front = 1.0 - last / total;
-    let is_mass = |p: &FitParameter| masses.iter().any(|(name, _)| *name == p.name);
-    if minimum.free.iter().any(is_mass) {
-        return;
-    }
-    let values = minimum.model.parameters();
-    // At one end of the shares that the record allows the fitted value is an end of the interval.
-    let with_value = |name: &str, (low, high): Ends| {
-        let value = values.get(name).copied();
-        let min = |low: f64| value.map_or(low, |value| value.min(low));
-        let max = |high: f64| value.map_or(high, |value| value.max(high));
-        (low.map(min), high.map(max))
-    };
-    if let Some(intervals) = by_transfer_function(minimum, front, half_width) {
-        for (name, ends) in &mut assessment.interval {
-            if let Some(of_name) = intervals.get(name) {
-                *ends = with_value(name, *of_name);
-            }
+impl Minimum {
+    /// Widens the intervals of an assessment by a share of the mass in front of the last one that lies anywhere within
+    /// `half_width` of that of the minimum.
+    ///
+    /// Of a double model whose misfit the noise before the event explains, they are those of its transfer function, see
+    /// `transfer_posterior`, with a share that is known (`half_width` 0) too. All of them hold the fitted value.
+    ///
+    /// Else the fit is repeated at eight other shares, the masses in front in their proportion to each other and the
+    /// total kept. The interval reaches from the 2.5th to the 97.5th percentile of the mixture of all shares: at each
+    /// one a normal distribution, in logarithms where no end is zero, as wide as at the assumed share. Where the model
+    /// follows the record below its resolution, shares at which it does so less count less, as in a profile of the
+    /// likelihood. Shares without a fit and those beyond are left out; a parameter that is open at the assumed share is
+    /// open. Standard deviation and correlation stay those at the share of the minimum. Nothing changes for one mass,
+    /// where masses are fitted, or else with a share that is known.
+    pub fn widen_by_mass_split(&self, assessment: &mut Assessment, half_width: f64) {
+        let masses = masses_of(&self.model);
+        let total: f64 = masses.iter().map(|(_, kg)| kg).sum();
+        let Some((_, last)) = masses.last().filter(|_| masses.len() > 1) else { return };
+        let front = 1.0 - last / total;
+        let is_mass = |p: &FitParameter| masses.iter().any(|(name, _)| *name == p.name);
+        if self.free.iter().any(is_mass) {
+            return;
         }
-        return;
-    }
-    if half_width <= 0.0 {
-        return;
-    }
-    let (below, above) = rayon::join(
-        || to_one_side(minimum, (front, -half_width), total),
-        || to_one_side(minimum, (front, half_width), total),
-    );
-    let at_assumed = AtShare { model: minimum.model.clone(), cost: cost_of(minimum) };
-    let fits: Vec<&AtShare> = below.iter().rev().chain([&at_assumed]).chain(&above).collect();
-    let weights = weights(minimum, &fits, assessment.effective_samples);
-    for (name, ends) in &mut assessment.interval {
-        let (Some(value), (Some(low), Some(high))) = (values.get(name.as_str()), *ends) else { continue };
-        let of_fits = fits.iter().filter_map(|fit| fit.model.parameters().get(name.as_str()).copied());
-        let nodes: Vec<[f64; 3]> = of_fits.map(|there| as_wide_as([low, *value, high], there)).collect();
-        *ends = with_value(name, not_negative(mixture(&nodes, &weights)));
+        let values = self.model.parameters();
+        // At one end of the shares that the record allows the fitted value is an end of the interval.
+        let with_value = |name: &str, (low, high): Ends| {
+            let value = values.get(name).copied();
+            let min = |low: f64| value.map_or(low, |value| value.min(low));
+            let max = |high: f64| value.map_or(high, |value| value.max(high));
+            (low.map(min), high.map(max))
+        };
+        if let Some(intervals) = by_transfer_function(self, front, half_width) {
+            for (name, ends) in &mut assessment.interval {
+                if let Some(of_name) = intervals.get(name) {
+                    *ends = with_value(name, *of_name);
+                }
+            }
+            return;
+        }
+        if half_width <= 0.0 {
+            return;
+        }
+        let (below, above) = rayon::join(
+            || to_one_side(self, (front, -half_width), total),
+            || to_one_side(self, (front, half_width), total),
+        );
+        let at_assumed = AtShare { model: self.model.clone(), cost: cost_of(self) };
+        let fits: Vec<&AtShare> = below.iter().rev().chain([&at_assumed]).chain(&above).collect();
+        let weights = weights(self, &fits, assessment.effective_samples);
+        for (name, ends) in &mut assessment.interval {
+            let (Some(value), (Some(low), Some(high))) = (values.get(name.as_str()), *ends) else { continue };
+            let of_fits = fits.iter().filter_map(|fit| fit.model.parameters().get(name.as_str()).copied());
+            let nodes: Vec<[f64; 3]> = of_fits.map(|there| as_wide_as([low, *value, high], there)).collect();
+            *ends = with_value(name, not_negative(mixture(&nodes, &weights)));
+        }
     }
 }
 
@@ -374,8 +375,9 @@ mod tests {
     use crumple_numerics::estimation::random::RandomNumbers;
 
     use crate::fit::as_measured::{fit_as_measured, is_own_dual};
+    use crate::parameters::free_parameters;
     use crate::uncertainty::acceleration_likelihood::tests::{CRUSH_M, IMPACT_SPEED_M_PER_S, holds, recorded};
-    use crate::{AssessmentOptions, assess, free_parameters};
+    use crate::uncertainty::assessment::AssessmentOptions;
 
     /// A car of 1500 kg, near its own dual, with this share of its mass in front.
     fn double(random: &mut RandomNumbers, share: f64) -> DoubleSpringMassDamper {
@@ -415,8 +417,8 @@ mod tests {
             let minimum = fit_as_measured(&start, &free_parameters(&start, IMPACT_SPEED_M_PER_S, CRUSH_M), &observed);
             let minimum = minimum.filter(|m| is_own_dual(&m.model) && by_transfer_function(m, 0.25, 0.1).is_some());
             let Some(minimum) = minimum else { continue };
-            let mut assessment = assess(&minimum, None, AssessmentOptions::default()).unwrap();
-            widen_by_mass_split(&minimum, &mut assessment, 0.1);
+            let mut assessment = minimum.assess(None, AssessmentOptions::default()).unwrap();
+            minimum.widen_by_mass_split(&mut assessment, 0.1);
             records += 1;
             let springs = ["k1_n_per_m", "k2_n_per_m"];
             held += springs.iter().filter(|name| holds(&assessment.interval, &truth, name)).count();

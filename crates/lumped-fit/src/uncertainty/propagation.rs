@@ -7,26 +7,19 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crumple_lumped::{Model, Nonlinear1, Parameter, ParameterKind};
 use crumple_numerics::estimation::random::RandomNumbers;
-use crumple_signal::Distribution;
+use crumple_signal::{Distribution, Measurement};
 use rayon::prelude::*;
 
 use crate::candidate::{Minimum, Propagation};
-use crate::closed_form::elastoplastic_of_record;
+use crate::closed_form::{elastoplastic_of_record, kelvin_from_events, unloads_rigidly};
 use crate::coordinates::Coordinates;
 use crate::fit::as_measured::near;
 use crate::fit::nonlinear::{descend_to_conditions, parts};
-use crate::fit::problem::Problem;
+use crate::fit::problem::{Problem, SingleMassFitOptions};
+use crate::parameters::FitParameter;
 use crate::record::observation::{FEWEST, Observation, ObservedWave};
+use crate::record::sensor::FitQuantity;
 use crate::uncertainty::assessment::percentile;
-use crate::{FitParameter, FitQuantity, Measurement, SingleMassFitOptions, kelvin_from_events, unloads_rigidly};
-
-/// Largest error that a repetition can draw, in units of its size. One normal deviate in 5e8 is larger, and cut to it.
-pub const fn largest_draw(distribution: Distribution) -> f64 {
-    match distribution {
-        Distribution::Normal => 6.0,
-        Distribution::Uniform => 1.0,
-    }
-}
 
 /// Sizes of the errors of what a test is told and what is not seen on the pulse; independent of each other. A size is
 /// a standard deviation or a half width, by its distribution.
@@ -45,14 +38,15 @@ pub struct InputUncertainty {
 }
 
 impl InputUncertainty {
+    /// Repetitions where no number is asked for: ten of 200 lie beyond each end of a 90 % interval.
+    pub const REPETITIONS: usize = 200;
+
     /// Whether anything is uncertain.
     pub fn any(&self) -> bool {
         [self.mass_kg, self.impact_speed_m_per_s, self.bias_m_per_s2, self.contact_s].iter().any(|s| *s > 0.0)
     }
 }
 
-/// Repetitions where no number is asked for: ten of 200 lie beyond each end of a 90 % interval.
-pub const REPETITIONS: usize = 200;
 /// Seed of the generators; repetition `i` uses its stream `i`.
 const SEED: u64 = 2;
 
@@ -65,14 +59,49 @@ pub struct Repetition {
     pub mass_ratio: f64,
 }
 
-/// The inputs of repetition `index`: four numbers from its own stream of a fixed seed.
-///
-/// Another impact speed adds `δv t` to the displacement `t` after contact, another zero level `δb (t - t_start)²/2`
-/// less what that is at contact, since the integration starts at `t_start`: at contact, or at the first sample; another
-/// time zero moves the label of contact, with the displacement made zero again there and, where the integration starts
-/// at contact, the velocity made the impact speed.
-pub fn repetition(observed: &Observation, inputs: &InputUncertainty, index: usize) -> Option<Repetition> {
-    with_errors(observed, &drawn(inputs, index, observed.waves.len()))
+impl Repetition {
+    /// The inputs of repetition `index`: four numbers from its own stream of a fixed seed.
+    ///
+    /// Another impact speed adds `δv t` to the displacement `t` after contact, another zero level `δb (t - t_start)²/2`
+    /// less what that is at contact, since the integration starts at `t_start`: at contact, or at the first sample;
+    /// another time zero moves the label of contact, with the displacement made zero again there and, where the
+    /// integration starts at contact, the velocity made the impact speed.
+    pub fn drawn(observed: &Observation, inputs: &InputUncertainty, index: usize) -> Option<Self> {
+        with_errors(observed, &drawn(inputs, index, observed.waves.len()))
+    }
+
+    /// The record with a mass ratio `1 + mass` (relative), `speed` faster, `bias` higher and its contact `late` later.
+    ///
+    /// `None` where the later contact leaves fewer than 12 samples of the window.
+    pub fn perturbed(observed: &Observation, mass: f64, speed: f64, bias: f64, late: f64) -> Option<Self> {
+        with_errors(observed, &Errors { mass, speed_m_per_s: speed, late_s: late, bias_m_per_s2: vec![bias] })
+    }
+
+    /// The parameters and the model's crush of one repetition.
+    pub fn fit(&self, model: &Model, free: &[FitParameter]) -> Option<BTreeMap<String, f64>> {
+        let v0 = self.observed.impact_speed_m_per_s;
+        // The last knot of a nonlinear damper is the impact speed.
+        let mut values = model.values();
+        let is_last_knot = |p: &Parameter| p.of_the_test && p.kind == ParameterKind::Rate;
+        if let Some(knot) = model.kind().parameters().iter().position(is_last_knot) {
+            values[knot] = v0;
+        }
+        let coordinates = Coordinates::near(model.with_values(&values).ok()?, free.to_vec());
+        let optimum = near(&coordinates, &self.observed).follow(&coordinates.start())?;
+        let fitted = coordinates.model(&optimum.theta)?;
+        let mut result: BTreeMap<String, f64> = BTreeMap::new();
+        for (number, x) in coordinates.free.iter().zip(&optimum.theta) {
+            let by_mass =
+                matches!(number.kind, ParameterKind::Mass | ParameterKind::Stiffness | ParameterKind::Damping);
+            let ratio = if by_mass { self.mass_ratio } else { 1.0 };
+            result.insert(number.name.to_string(), number.value(*x) * ratio);
+        }
+        result.extend(coordinates.free_rest(&optimum.theta).map(|(rest, kg)| (rest, kg * self.mass_ratio)));
+        if let Some(crush) = fitted.events(v0).ok().and_then(|events| events.dynamic_crush_m) {
+            result.insert("dynamic_crush_m".to_owned(), crush);
+        }
+        Some(result)
+    }
 }
 
 /// The errors of one repetition.
@@ -94,7 +123,7 @@ fn drawn(inputs: &InputUncertainty, index: usize, sensors: usize) -> Errors {
     let mut random = RandomNumbers::of_stream(SEED, index);
     let mut draw = |size: f64, distribution: Distribution| {
         size * match distribution {
-            Distribution::Normal => random.normal().clamp(-largest_draw(distribution), largest_draw(distribution)),
+            Distribution::Normal => random.normal().clamp(-distribution.largest(), distribution.largest()),
             Distribution::Uniform => 2.0 * random.uniform() - 1.0,
         }
     };
@@ -106,13 +135,6 @@ fn drawn(inputs: &InputUncertainty, index: usize, sensors: usize) -> Errors {
     let others = (1..sensors).map(|_| draw(inputs.bias_m_per_s2, of_bias));
     let bias_m_per_s2 = std::iter::once(bias).chain(others).collect();
     Errors { mass, speed_m_per_s, late_s, bias_m_per_s2 }
-}
-
-/// The record with a mass ratio `1 + mass` (relative), `speed` faster, `bias` higher and its contact `late` later.
-///
-/// `None` where the later contact leaves fewer than 12 samples of the window.
-pub fn perturbed(observed: &Observation, mass: f64, speed: f64, bias: f64, late: f64) -> Option<Repetition> {
-    with_errors(observed, &Errors { mass, speed_m_per_s: speed, late_s: late, bias_m_per_s2: vec![bias] })
 }
 
 /// The record with these errors; `None` where fewer than 12 samples of a window are left.
@@ -184,27 +206,24 @@ pub fn propagate(
     repetitions: usize,
 ) -> Option<Propagation> {
     over_repetitions(mass_kg, inputs, (repetitions, observed.waves.len()), |errors| {
-        repeat(model, free, &with_errors(observed, errors)?)
+        with_errors(observed, errors)?.fit(model, free)
     })
 }
 
-/// The same for a chain as it was stated, where not all springs and dampers need to be free.
-///
-/// An uncertain mass is that of the test: where a mass is the rest of the total, the rest takes the difference; where
-/// none is, all masses change by the same share. Numbers that are given stay, so springs are proportional to the mass
-/// only where all of them are free. The weights of the waves stay those of the fit.
-pub fn propagate_chain(
-    minimum: &Minimum,
-    mass_kg: f64,
-    inputs: &InputUncertainty,
-    repetitions: usize,
-) -> Option<Propagation> {
-    let (coordinates, observed) = (minimum.coordinates(), &minimum.observed);
-    let theta = coordinates.start();
-    over_repetitions(mass_kg, inputs, (repetitions, observed.waves.len()), |errors: &Errors| {
-        let Repetition { observed, mass_ratio } = with_errors(observed, errors)?;
-        repeat_chain(&coordinates.of_mass(mass_ratio), &observed, &theta, mass_ratio)
-    })
+impl Minimum {
+    /// As [`propagate`] for a chain as it was stated, where not all springs and dampers need to be free.
+    ///
+    /// An uncertain mass is that of the test: where a mass is the rest of the total, the rest takes the difference;
+    /// where none is, all masses change by the same share. Numbers that are given stay, so springs are proportional to
+    /// the mass only where all of them are free. The weights of the waves stay those of the fit.
+    pub fn propagate_chain(&self, mass_kg: f64, inputs: &InputUncertainty, repetitions: usize) -> Option<Propagation> {
+        let (coordinates, observed) = (self.coordinates(), &self.observed);
+        let theta = coordinates.start();
+        over_repetitions(mass_kg, inputs, (repetitions, observed.waves.len()), |errors: &Errors| {
+            let Repetition { observed, mass_ratio } = with_errors(observed, errors)?;
+            repeat_chain(&coordinates.of_mass(mass_ratio), &observed, &theta, mass_ratio)
+        })
+    }
 }
 
 /// Fits one repetition, from the minimum scaled to the mass drawn.
@@ -269,31 +288,6 @@ pub(crate) fn over_repetitions(
     Some(Propagation { repetitions: results.len(), interval_90, standard_deviation })
 }
 
-/// The parameters and the model's crush of one repetition.
-pub fn repeat(model: &Model, free: &[FitParameter], repetition: &Repetition) -> Option<BTreeMap<String, f64>> {
-    let v0 = repetition.observed.impact_speed_m_per_s;
-    // The last knot of a nonlinear damper is the impact speed.
-    let mut values = model.values();
-    let is_last_knot = |p: &Parameter| p.of_the_test && p.kind == ParameterKind::Rate;
-    if let Some(knot) = model.kind().parameters().iter().position(is_last_knot) {
-        values[knot] = v0;
-    }
-    let coordinates = Coordinates::near(model.with_values(&values).ok()?, free.to_vec());
-    let optimum = near(&coordinates, &repetition.observed).follow(&coordinates.start())?;
-    let fitted = coordinates.model(&optimum.theta)?;
-    let mut result: BTreeMap<String, f64> = BTreeMap::new();
-    for (number, x) in coordinates.free.iter().zip(&optimum.theta) {
-        let by_mass = matches!(number.kind, ParameterKind::Mass | ParameterKind::Stiffness | ParameterKind::Damping);
-        let ratio = if by_mass { repetition.mass_ratio } else { 1.0 };
-        result.insert(number.name.to_string(), number.value(*x) * ratio);
-    }
-    result.extend(coordinates.free_rest(&optimum.theta).map(|(rest, kg)| (rest, kg * repetition.mass_ratio)));
-    if let Some(crush) = fitted.events(v0).ok().and_then(|events| events.dynamic_crush_m) {
-        result.insert("dynamic_crush_m".to_owned(), crush);
-    }
-    Some(result)
-}
-
 /// The events that a closed form follows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FollowedEvents {
@@ -332,6 +326,27 @@ impl FollowedEvents {
         })
     }
 
+    /// What uncertain inputs do to a model that follows these events: the first nonlinear model under its conditions at
+    /// dynamic crush, Kelvin and elastoplastic model by their closed forms. `observed`: the samples compared; `whole`:
+    /// every sample from contact to the end; `mass_kg`: the mass that the uncertainty of the mass refers to.
+    ///
+    /// `None` for another model, or with fewer than 20 results.
+    pub fn propagate(
+        &self,
+        model: &Model,
+        (observed, whole): (&Observation, &Observation),
+        mass_kg: f64,
+        inputs: &InputUncertainty,
+        repetitions: usize,
+    ) -> Option<Propagation> {
+        match model {
+            Model::Nonlinear1(model) => {
+                propagate_conditioned(model, self, (observed, whole), mass_kg, inputs, repetitions)
+            }
+            _ => propagate_closed_form(model, self, whole, mass_kg, inputs, repetitions),
+        }
+    }
+
     /// These events moved as far as those of `record` moved to those of `moved`.
     pub fn moved(&self, record: &Observation, moved: &Observation) -> Option<Self> {
         let (from, to) = (Self::of(record)?, Self::of(moved)?);
@@ -354,7 +369,7 @@ impl FollowedEvents {
 /// repetition without a solution is not counted.
 ///
 /// `None` for a model without a closed form, or with fewer than 20 results.
-pub fn propagate_closed_form(
+fn propagate_closed_form(
     model: &Model,
     events: &FollowedEvents,
     whole: &Observation,
@@ -409,14 +424,14 @@ const MET: f64 = 1e-8;
 /// Repeats the fit of the first nonlinear model under `k1 <= k2`, `c1 >= c2 >= c3`, `x(t_m) = C` and `v(t_m) = 0`
 /// with uncertain inputs, and takes percentiles.
 ///
-/// The estimator of [`fit_nonlinear1`](crate::fit_nonlinear1): crush, its time and the last knots are those of each
+/// The estimator of [`SingleMassFitOptions::fit_nonlinear1`]: crush, its time and the last knots are those of each
 /// repetition's record, and the displacement is compared without the filter. Every repetition descends from `model`.
 /// With time zero more than 0.25 ms off, another start of the fit could win: the spread is then that of one minimum
 /// and too small.
 ///
-/// `events`, `whole`: as for [`propagate_closed_form`](crate::propagate_closed_form); `observed`: the samples
+/// `events`, `whole`: as for [`propagate_closed_form`]; `observed`: the samples
 /// compared. A repetition that cannot meet the conditions is not counted. `None` with fewer than 20 results.
-pub fn propagate_conditioned(
+fn propagate_conditioned(
     model: &Nonlinear1,
     events: &FollowedEvents,
     (observed, whole): (&Observation, &Observation),

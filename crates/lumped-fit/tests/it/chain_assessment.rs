@@ -4,12 +4,11 @@ use std::collections::BTreeMap;
 
 use crumple_lumped::{Chain, Drive, Kelvin, Model, PiecewiseLinear};
 use crumple_lumped_fit::{
-    Assessment, AssessmentOptions, Candidate, Distribution, FitQuantity, InputUncertainty, IntegrationRule,
-    MeasureModel, Measurement, Observation, ObservedWave, Propagation, Stated, StatedChain, StatedElement, StatedMass,
-    TwoPassFilter, assess, fit_chain, mass_of, propagate_chain,
+    Assessment, AssessmentOptions, Candidate, FitQuantity, InputUncertainty, MeasureModel, Observation, ObservedWave,
+    Propagation, Stated, StatedChain, StatedElement, StatedMass,
 };
 use crumple_numerics::estimation::random::RandomNumbers;
-use crumple_signal::Sampled;
+use crumple_signal::{Distribution, IntegrationRule, Measurement, Sampled, TwoPassFilter};
 use nalgebra::{DMatrix, DVector};
 
 const V0: f64 = 13.4;
@@ -82,15 +81,15 @@ fn truth() -> BTreeMap<String, f64> {
 }
 
 fn fitted(of: &StatedChain, observed: &Observation) -> Candidate {
-    fit_chain(of, observed, 24).unwrap().remove(0)
+    of.fit(observed, 24).unwrap().remove(0)
 }
 
 fn assessed(found: &Candidate, options: AssessmentOptions) -> Assessment {
-    assess(found.minimum.as_ref().unwrap(), None, options).unwrap()
+    found.minimum.as_ref().unwrap().assess(None, options).unwrap()
 }
 
 fn repeated(found: &Candidate, inputs: &InputUncertainty, repetitions: usize) -> Propagation {
-    propagate_chain(found.minimum.as_ref().unwrap(), mass_of(&found.model), inputs, repetitions).unwrap()
+    found.minimum.as_ref().unwrap().propagate_chain(found.model.masses_kg().iter().sum(), inputs, repetitions).unwrap()
 }
 
 #[test]
@@ -289,7 +288,7 @@ fn knots_seen_through_a_filter_are_profiled_and_repeated_with_every_uncertain_in
         damping: vec![(0.0, FREE)],
     };
     let of = StatedChain { elements: vec![element], total_mass_kg: Some(1200.0) };
-    let found = fit_chain(&of, &observed, 24).unwrap().remove(0);
+    let found = of.fit(&observed, 24).unwrap().remove(0);
     let values = found.model.parameters();
     for (name, value) in [("k1_knot1_n_per_m", 5e5), ("k1_knot2_n_per_m", 5e5), ("c1_n_s_per_m", 9e3)] {
         // The Taylor solution of the knots and its differences, followed to the last digits of the cost.

@@ -2,10 +2,10 @@
 
 use crumple_lumped::{Chain, Drive, PiecewiseLinear};
 use crumple_lumped_fit::{
-    Assessment, AssessmentOptions, Candidate, FitQuantity, IntegrationRule, MeasureModel, Measurement, Observation,
-    ObservedWave, SolveError, Stated, StatedChain, StatedElement, StatedMass, TwoPassFilter, assess, fit_chain,
+    Assessment, AssessmentOptions, Candidate, FitQuantity, MeasureModel, Observation, ObservedWave, SolveError, Stated,
+    StatedChain, StatedElement, StatedMass,
 };
-use crumple_signal::Sampled;
+use crumple_signal::{IntegrationRule, Measurement, Sampled, TwoPassFilter};
 
 const V0: f64 = 13.4;
 const DT: f64 = 1e-4;
@@ -62,7 +62,7 @@ fn known_masses(masses: &[f64]) -> StatedChain {
 }
 
 fn linearised(found: &Candidate) -> Assessment {
-    assess(found.minimum.as_ref().unwrap(), None, AssessmentOptions::default()).unwrap()
+    found.minimum.as_ref().unwrap().assess(None, AssessmentOptions::default()).unwrap()
 }
 
 fn free_names(found: &Candidate) -> Vec<String> {
@@ -80,7 +80,7 @@ fn three_and_four_masses_come_back_from_any_quantity_of_all_their_sensors() {
     for (truth, masses) in [(three(), 3), (four(), 4)] {
         for quantity in FitQuantity::ALL {
             let all: Vec<usize> = (0..masses).collect();
-            let found = fit_chain(&known_masses(truth.masses_kg()), &exact(&truth, &all, quantity), 24).unwrap();
+            let found = known_masses(truth.masses_kg()).fit(&exact(&truth, &all, quantity), 24).unwrap();
             assert_eq!(found.len(), 1, "{masses} {quantity}");
             let error = largest_error(&found[0], &truth);
             // The signal is the response itself: rounding of it times the condition.
@@ -103,7 +103,7 @@ fn masses_are_found_where_their_total_is_known() {
     stated.elements[0].mass_kg = StatedMass::Own(FREE);
     stated.elements[1].mass_kg = StatedMass::Own(Stated::Free { start: None, lower: Some(150.0), upper: Some(600.0) });
     stated.elements[2].mass_kg = StatedMass::Rest;
-    let found = fit_chain(&stated, &exact(&truth, &[0, 1, 2], FitQuantity::Velocity), 24).unwrap();
+    let found = stated.fit(&exact(&truth, &[0, 1, 2], FitQuantity::Velocity), 24).unwrap();
     // As above.
     assert!(largest_error(&found[0], &truth) < 1e-6, "{:?}", found[0]);
     assert_eq!(free_names(&found[0]).last().unwrap(), "m3_kg");
@@ -118,9 +118,9 @@ fn without_the_total_only_ratios_of_masses_springs_and_dampers_are_determined_an
         element.mass_kg = StatedMass::Own(FREE);
     }
     let blind = StatedChain { total_mass_kg: None, ..stated.clone() };
-    let refused = fit_chain(&blind, &exact(&truth, &[0, 1, 2], FitQuantity::Displacement), 24).unwrap_err();
+    let refused = blind.fit(&exact(&truth, &[0, 1, 2], FitQuantity::Displacement), 24).unwrap_err();
     assert!(refused.to_string().contains("needs both bounds"), "{refused}");
-    let found = fit_chain(&stated, &exact(&truth, &[0, 1, 2], FitQuantity::Displacement), 24).unwrap();
+    let found = stated.fit(&exact(&truth, &[0, 1, 2], FitQuantity::Displacement), 24).unwrap();
     let (values, wanted) = (found[0].model.parameters(), truth.parameters());
     let scale = values["m3_kg"] / wanted["m3_kg"];
     for (name, value) in &wanted {
@@ -144,7 +144,7 @@ fn what_is_given_stays_and_what_is_free_stays_in_its_bounds() {
     // Too stiff: the truth lies below.
     let tight = Stated::Free { start: Some(1.3e6), lower: Some(1.2e6), upper: Some(2e6) };
     stated.elements[2].stiffness = vec![(0.0, tight)];
-    let found = fit_chain(&stated, &exact(&truth, &[0, 2], FitQuantity::Displacement), 24).unwrap();
+    let found = stated.fit(&exact(&truth, &[0, 2], FitQuantity::Displacement), 24).unwrap();
     let values = found[0].model.parameters();
     assert_eq!((values["k1_n_per_m"], values["c2_n_s_per_m"]), (9e5, 5e3));
     assert_eq!(found[0].fit.as_ref().unwrap().active_bounds, ["k3_n_per_m"]);
@@ -165,7 +165,7 @@ fn coefficients_with_knots_are_fitted_by_differences() {
     let mut stated = known_masses(&[250.0, 900.0]);
     stated.elements[0].stiffness = vec![(0.0, FREE), (0.25, FREE)];
     stated.elements[1].damping = vec![(0.0, FREE), (6.0, FREE)];
-    let found = fit_chain(&stated, &exact(&truth, &[0, 1], FitQuantity::Displacement), 24).unwrap();
+    let found = stated.fit(&exact(&truth, &[0, 1], FitQuantity::Displacement), 24).unwrap();
     // Steps of 1e-7 err the sensitivities by as much: the descent ends where the cost no longer falls.
     assert!(largest_error(&found[0], &truth) < 1e-6, "{:?}", found[0].model.parameters());
     assert_eq!(linearised(&found[0]).rank, 6);
@@ -200,8 +200,8 @@ fn a_filtered_record_gives_the_truth_when_the_chain_goes_through_the_filter() {
     };
     let observed = Observation { impact_speed_m_per_s: V0, waves: (0..3).map(wave).collect() };
     let stated = known_masses(truth.masses_kg());
-    let plain = fit_chain(&stated, &observed.clone().exact(), 24).unwrap();
-    let through = fit_chain(&stated, &observed, 24).unwrap();
+    let plain = stated.fit(&observed.clone().exact(), 24).unwrap();
+    let through = stated.fit(&observed, 24).unwrap();
     // The record is what the measurement makes of the truth, digit by digit.
     assert!(largest_error(&through[0], &truth) < 1e-6, "{:e}", largest_error(&through[0], &truth));
     // What the filter does to the jump at contact is not seen otherwise.
@@ -216,7 +216,7 @@ fn two() -> Chain {
 fn two_masses_seen_in_the_last_one_come_with_their_dual() {
     let truth = two();
     let observed = exact(&truth, &[1], FitQuantity::Displacement);
-    let found = fit_chain(&known_masses(truth.masses_kg()), &observed, 24).unwrap();
+    let found = known_masses(truth.masses_kg()).fit(&observed, 24).unwrap();
     assert_eq!(found.len(), 2, "{found:?}");
     assert_eq!((found[0].equivalent_to, found[1].equivalent_to), (Some(2), Some(1)));
     let k1 = |of: &Candidate| of.model.parameters()["k1_n_per_m"];
@@ -234,10 +234,10 @@ fn two_masses_seen_in_the_last_one_come_with_their_dual() {
 fn a_number_that_is_given_or_another_sensor_decides_between_a_chain_and_its_dual() {
     let truth = two();
     let mut stated = known_masses(truth.masses_kg());
-    let both = fit_chain(&stated, &exact(&truth, &[0, 1], FitQuantity::Displacement), 24).unwrap();
+    let both = stated.fit(&exact(&truth, &[0, 1], FitQuantity::Displacement), 24).unwrap();
     assert_eq!((both.len(), both[0].equivalent_to, &both[0].excluded_dual), (1, None, &None));
     stated.elements[0].stiffness = vec![(0.0, Stated::Fixed(9e5))];
-    let found = fit_chain(&stated, &exact(&truth, &[1], FitQuantity::Displacement), 24).unwrap();
+    let found = stated.fit(&exact(&truth, &[1], FitQuantity::Displacement), 24).unwrap();
     assert_eq!(found.len(), 1);
     let dual = found[0].excluded_dual.as_ref().unwrap();
     // As above.
@@ -251,10 +251,10 @@ fn masses_looked_for_by_one_sensor_on_the_last_are_called_undecided() {
     let mut stated = known_masses(truth.masses_kg());
     stated.elements[0].mass_kg = StatedMass::Own(FREE);
     stated.elements[1].mass_kg = StatedMass::Rest;
-    let one = fit_chain(&stated, &exact(&truth, &[1], FitQuantity::Displacement), 24).unwrap();
+    let one = stated.fit(&exact(&truth, &[1], FitQuantity::Displacement), 24).unwrap();
     assert!(one.iter().all(|found| found.division_undecided), "{one:?}");
     assert_eq!(one[0].equivalent_to, Some(2));
-    let two = fit_chain(&stated, &exact(&truth, &[0, 1], FitQuantity::Displacement), 24).unwrap();
+    let two = stated.fit(&exact(&truth, &[0, 1], FitQuantity::Displacement), 24).unwrap();
     assert!(!two[0].division_undecided && two[0].equivalent_to.is_none());
     // The rest has an interval like the mass it follows from.
     let known = linearised(&two[0]);
@@ -268,7 +268,7 @@ fn results_do_not_depend_on_the_number_of_threads() {
     let observed = exact(&three(), &[1, 2], FitQuantity::Acceleration);
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| fit_chain(&known_masses(&[220.0, 310.0, 870.0]), &observed, 24)).unwrap()
+        pool.install(|| known_masses(&[220.0, 310.0, 870.0]).fit(&observed, 24)).unwrap()
     };
     assert_eq!(with(1), with(3));
 }
@@ -279,7 +279,7 @@ fn a_chain_without_meaning_is_refused() {
     let error = |change: fn(&mut StatedChain)| {
         let mut stated = known_masses(&[220.0, 310.0, 870.0]);
         change(&mut stated);
-        fit_chain(&stated, &observed, 24).unwrap_err()
+        stated.fit(&observed, 24).unwrap_err()
     };
     assert_eq!(error(|s| s.elements.clear()), SolveError::NothingFree);
     assert_eq!(error(|s| s.elements.iter_mut().for_each(|e| e.mass_kg = StatedMass::Rest)), SolveError::TwoRests);
@@ -334,7 +334,7 @@ fn a_law_given_by_knots_of_one_value_has_the_dual_of_a_constant() {
     )
     .unwrap();
     let waves = exact(&truth, &[1], FitQuantity::Displacement);
-    let [flat, constant] = [&[0.0, 2.0][..], &[0.0]].map(|speeds| fit_chain(&chain(speeds), &waves, 24).unwrap());
+    let [flat, constant] = [&[0.0, 2.0][..], &[0.0]].map(|speeds| chain(speeds).fit(&waves, 24).unwrap());
     let duals = [&flat[0], &constant[0]].map(|found| found.excluded_dual.as_ref().unwrap().parameters());
     for (name, value) in &duals[0] {
         // Two descents to one minimum.

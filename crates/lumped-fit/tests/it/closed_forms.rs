@@ -3,7 +3,7 @@
 use crumple_lumped::{DoubleSpringMassDamper, Elastoplastic, Kelvin, Model};
 use crumple_lumped_fit::{
     Candidate, CoefficientSpread, Identified, KelvinBranch, Quartic, SolveError, centroid_to_crush_time_ratio,
-    elastoplastic_from_events, kelvin_from_events, match_as_the_paper_typed, match_identified,
+    elastoplastic_from_events, kelvin_from_events, match_as_the_paper_typed,
 };
 use crumple_numerics::estimation::random::RandomNumbers;
 use crumple_signal::Notes;
@@ -156,7 +156,7 @@ fn matched(polynomial: [f64; 4], spread: Option<CoefficientSpread>) -> Vec<Candi
         spread,
         delay_s: 0.0,
     };
-    match_identified(&identified, MODEL.m1_kg, MODEL.m2_kg, 1, &mut Notes::new()).unwrap().candidates
+    identified.matched(MODEL.m1_kg, MODEL.m2_kg, 1, &mut Notes::new()).unwrap().candidates
 }
 
 fn values(candidate: &Candidate) -> [f64; 4] {

@@ -1,9 +1,8 @@
 //! The double model comes back from its own record.
 
 use crumple_lumped::{DoubleSpringMassDamper, Model, ModelKind};
-use crumple_lumped_fit::{
-    AssessmentOptions, Candidate, Fit, MassSplit, SolveError, SolveSettings, StopReason, TestData, assess, solve,
-};
+use crumple_lumped_fit::{AssessmentOptions, Candidate, Fit, MassSplit, SolveError, SolveSettings, TestData, solve};
+use crumple_numerics::estimation::minimise::StopReason;
 use crumple_signal::{Displacement, Notes, Signal};
 
 const DT: f64 = 1e-4;
@@ -122,7 +121,7 @@ fn undetermined_dampers_end_on_a_bound_and_say_so() {
     assert!(nearest[0].min(nearest[1]) < 1e-3, "{found:?}");
     for candidate in &found.candidates {
         let minimum = candidate.minimum.as_ref().unwrap();
-        let interval = assess(minimum, None, AssessmentOptions::default()).unwrap().interval;
+        let interval = minimum.assess(None, AssessmentOptions::default()).unwrap().interval;
         // A damper of nothing is assessed from its one side, a spring from both.
         assert_eq!(interval["c1_n_s_per_m"].0, Some(0.0), "{interval:?}");
         assert!(interval["k1_n_per_m"].0.is_some_and(|low| low > 0.0), "{interval:?}");

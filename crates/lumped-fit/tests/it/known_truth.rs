@@ -5,11 +5,10 @@ use std::path::Path;
 
 use crumple_lumped::{DoubleSpringMassDamper, Elastoplastic, Kelvin, Maxwell, Model, Nonlinear1, Nonlinear2};
 use crumple_lumped_fit::{
-    Assessment, AssessmentOptions, Candidate, FollowedEvents, InputUncertainty, IntegrationRule, MassSplit,
-    MeasureModel, Measurement, Minimum, Observation, SolveSettings, TestData, TwoPassFilter, assess, fit_as_measured,
-    free_parameters, perturbed, propagate, repeat, solve,
+    Assessment, AssessmentOptions, Candidate, FollowedEvents, InputUncertainty, MassSplit, MeasureModel, Minimum,
+    Observation, Repetition, SolveSettings, TestData, fit_as_measured, free_parameters, propagate, solve,
 };
-use crumple_signal::{Displacement, Notes, Signal};
+use crumple_signal::{Displacement, IntegrationRule, Measurement, Notes, Signal, TwoPassFilter};
 use crumple_testkit::{KnownTruth, known_truths, known_truths_in, other_records, write_known_truth};
 use serde_json::Value;
 
@@ -185,7 +184,7 @@ fn comes_back_from_five_percent_away(truth: &Truth) -> Result<(), String> {
         start.release = of.release;
     }
     let found = fit_as_measured(&start, &free, &seen).unwrap();
-    let assessed = assess(&found, None, AssessmentOptions::default()).unwrap();
+    let assessed = found.assess(None, AssessmentOptions::default()).unwrap();
     eprintln!("{record}: rms {:.1e} m, rank {} {:?}", found.rmse_m(), assessed.rank, assessed.weakest_direction);
     // The record and the model went the same way, so nothing but rounding is left; four real poles and ten
     // parameters leave valleys of 1e-10 m that no descent leaves.
@@ -227,7 +226,7 @@ fn comes_back_through_cfc_60(truth: &Truth) -> Result<(), String> {
         .into_iter()
         .filter_map(|candidate| {
             let minimum = candidate.minimum?;
-            let assessed = assess(&minimum, None, AssessmentOptions::default())?;
+            let assessed = minimum.assess(None, AssessmentOptions::default())?;
             Some((minimum, assessed))
         })
         .collect();
@@ -278,8 +277,8 @@ fn profile_and_bootstrap_agree_with_the_linear_interval_where_the_model_is_well_
     let seen = observed(&truth, truth.t_m.unwrap(), |t| 1e-4 * (300.0 * t).sin());
     let free = free_parameters(&truth.model, truth.v0, truth.crush);
     let found = fit_as_measured(&truth.model, &free, &seen).unwrap();
-    let assessed = assess(&found, None, AssessmentOptions { profile: true, bootstrap: 200 }).unwrap();
-    let again = assess(&found, None, AssessmentOptions { profile: true, bootstrap: 200 }).unwrap();
+    let assessed = found.assess(None, AssessmentOptions { profile: true, bootstrap: 200 }).unwrap();
+    let again = found.assess(None, AssessmentOptions { profile: true, bootstrap: 200 }).unwrap();
     assert_eq!(assessed, again, "seeded and collected by index");
     let bootstrap = assessed.bootstrap.as_ref().unwrap();
     let wanted = truth.model.parameters();
@@ -307,7 +306,7 @@ fn a_parameter_without_effect_has_an_open_profile() {
     let seen = observed(&truth, 0.02, |t| 1e-4 * (300.0 * t).sin());
     let free = free_parameters(&truth.model, truth.v0, truth.crush);
     let found = fit_as_measured(&truth.model, &free, &seen).unwrap();
-    let assessed = assess(&found, None, AssessmentOptions { profile: true, bootstrap: 0 }).unwrap();
+    let assessed = found.assess(None, AssessmentOptions { profile: true, bootstrap: 0 }).unwrap();
     let profile = assessed.profile.iter().find(|p| p.parameter == "unloading_stiffness_n_per_m").unwrap();
     assert!(!profile.identifiable(), "{profile:?}");
     let loading = assessed.profile.iter().find(|p| p.parameter == "loading_stiffness_n_per_m").unwrap();
@@ -320,13 +319,13 @@ fn uncertain_inputs_move_the_parameters_as_the_closed_form_says() {
         made(Model::Kelvin(Kelvin { mass_kg: 873.0, stiffness_n_per_m: 321_905.0, damping_n_s_per_m: 0.0 }), 9.7222);
     let seen = observed(&truth, truth.t_m.unwrap(), |_| 0.0);
     let free = free_parameters(&truth.model, truth.v0, truth.crush);
-    let base = repeat(&truth.model, &free, &perturbed(&seen, 0.0, 0.0, 0.0, 0.0).unwrap()).unwrap();
+    let base = Repetition::perturbed(&seen, 0.0, 0.0, 0.0, 0.0).unwrap().fit(&truth.model, &free).unwrap();
     assert!((base["stiffness_n_per_m"] / 321_905.0 - 1.0).abs() < 1e-9);
     // k = m (v0/C)²: proportional to the mass.
-    let heavier = repeat(&truth.model, &free, &perturbed(&seen, 0.01, 0.0, 0.0, 0.0).unwrap()).unwrap();
+    let heavier = Repetition::perturbed(&seen, 0.01, 0.0, 0.0, 0.0).unwrap().fit(&truth.model, &free).unwrap();
     assert!((heavier["stiffness_n_per_m"] / base["stiffness_n_per_m"] - 1.01).abs() < 1e-9);
     // Crush: δC = t_m δv0 to first order, seen from the first sample 20 ms earlier minus what re-zeroing takes.
-    let faster = repeat(&truth.model, &free, &perturbed(&seen, 0.0, 0.03, 0.0, 0.0).unwrap()).unwrap();
+    let faster = Repetition::perturbed(&seen, 0.0, 0.03, 0.0, 0.0).unwrap().fit(&truth.model, &free).unwrap();
     let gained = faster["dynamic_crush_m"] - base["dynamic_crush_m"];
     // The model takes up part of the error by its damper: the size is that of the table, not its digits.
     assert!((gained / (0.03 * truth.t_m.unwrap()) - 1.0).abs() < 0.5, "{gained}");

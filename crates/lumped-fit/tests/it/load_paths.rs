@@ -2,10 +2,10 @@
 
 use crumple_lumped::{CrushedLoadPaths, CrushedStructure, LoadPath, Model, ModelKind};
 use crumple_lumped_fit::{
-    Candidate, FitQuantity, IntegrationRule, MassFit, MassSplit, MeasureModel, Measurement, Method, RATE_PRIOR_S_PER_M,
-    Sensor, SensorPlace, SolveSettings, TestData, TwoPassFilter, WallForce, solve,
+    Candidate, FitQuantity, MassFit, MassSplit, MeasureModel, Method, RATE_PRIOR_S_PER_M, Sensor, SensorPlace,
+    SolveSettings, TestData, WallForce, solve,
 };
-use crumple_signal::{Displacement, Notes, Sampled, Signal};
+use crumple_signal::{Displacement, IntegrationRule, Measurement, Notes, Sampled, Signal, TwoPassFilter};
 
 const V0: f64 = 15.6;
 const DT: f64 = 1e-4;

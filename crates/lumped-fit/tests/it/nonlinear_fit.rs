@@ -1,10 +1,7 @@
 //! Nonlinear and Maxwell models from their own displacement.
 
 use crumple_lumped::{Maxwell, Model, ModelKind, Nonlinear1};
-use crumple_lumped_fit::{
-    FireflyOptions, FireflyUnits, SingleMassFitOptions, SolveSettings, TestData, conditions_at_crush,
-    firefly_nonlinear2, fit_nonlinear1, interior_point_nonlinear1, search_nonlinear2, solve,
-};
+use crumple_lumped_fit::{FireflyOptions, FireflyUnits, SingleMassFitOptions, SolveSettings, TestData, solve};
 use crumple_signal::{Displacement, Note, Notes, Signal};
 use crumple_testkit::table_5;
 
@@ -30,7 +27,7 @@ fn options(model: &Model, v0: f64, crush_m: f64, to_s: Option<f64>) -> SingleMas
 fn all_ten_parameters_of_the_papers_table_come_back() {
     let truth = Model::Nonlinear2(table_5());
     let x = record(&truth, 9.7222);
-    let (model, fit) = search_nonlinear2(&x, &options(&truth, 9.7222, 0.5063, None)).unwrap();
+    let (model, fit) = options(&truth, 9.7222, 0.5063, None).search_nonlinear2(&x).unwrap();
     for (name, wanted) in truth.parameters() {
         let found = Model::Nonlinear2(model).parameters()[&name];
         // The acceptance limit; rounding of the record times its sensitivity to the weakest one, k2, is below it.
@@ -54,7 +51,7 @@ fn the_first_nonlinear_model_comes_back_and_keeps_its_side_constraints() {
     let model = Model::Nonlinear1(truth);
     let x = record(&model, 9.7222);
     let free = options(&model, 9.7222, 0.5063, None);
-    let (found, fit) = fit_nonlinear1(&x, &free, false).unwrap();
+    let (found, fit) = free.fit_nonlinear1(&x, false).unwrap();
     for (name, wanted) in model.parameters() {
         let value = Model::Nonlinear1(found).parameters()[&name];
         assert!((value - wanted).abs() <= 1e-6 * wanted, "{name}: {value} {wanted}, {fit:?}");
@@ -64,8 +61,7 @@ fn the_first_nonlinear_model_comes_back_and_keeps_its_side_constraints() {
         Model::Kelvin(crumple_lumped::Kelvin { mass_kg: 873.0, stiffness_n_per_m: 3e5, damping_n_s_per_m: 6e3 });
     let events = kelvin.events(9.7222).unwrap();
     let (crush, t_m) = (events.dynamic_crush_m.unwrap(), events.time_of_dynamic_crush_s.unwrap());
-    let (found, _) =
-        fit_nonlinear1(&record(&kelvin, 9.7222), &options(&kelvin, 9.7222, crush, Some(t_m)), true).unwrap();
+    let (found, _) = options(&kelvin, 9.7222, crush, Some(t_m)).fit_nonlinear1(&record(&kelvin, 9.7222), true).unwrap();
     let at = Model::Nonlinear1(found).events(9.7222).unwrap();
     // Feasibility tolerance of the fit, 1e-8 of crush and speed.
     assert!((at.dynamic_crush_m.unwrap() / crush - 1.0).abs() < 1e-8);
@@ -104,7 +100,7 @@ fn the_printed_firefly_is_a_random_walk_and_the_scaled_one_is_not() {
     let wanted = SingleMassFitOptions { samples: 60, ..options(&truth, 9.7222, 0.5063, None) };
     let run = |units| {
         let search = FireflyOptions { units, generations: 60, ..FireflyOptions::default() };
-        firefly_nonlinear2(&x, &wanted, &search).unwrap()
+        wanted.firefly_nonlinear2(&x, &search).unwrap()
     };
     let (printed, scaled) = (run(FireflyUnits::Physical), run(FireflyUnits::Unit));
     // exp(-4e9) is zero in every number format.
@@ -114,7 +110,7 @@ fn the_printed_firefly_is_a_random_walk_and_the_scaled_one_is_not() {
     // 40 at the start and 40 a generation; the same again for the same seed.
     assert_eq!(printed.fit.evaluations, 40 * 61);
     assert_eq!(run(FireflyUnits::Unit).model, scaled.model);
-    let (_, fit) = search_nonlinear2(&x, &wanted).unwrap();
+    let (_, fit) = wanted.search_nonlinear2(&x).unwrap();
     assert!(fit.rmse < 1e-6 * scaled.fit.rmse);
 }
 
@@ -126,7 +122,7 @@ fn the_printed_firefly_is_bit_for_bit_the_walk_without_attraction() {
     for seed in 1..=3 {
         let run = |units, beta0| {
             let search = FireflyOptions { units, generations: 20, seed, beta0, ..FireflyOptions::default() };
-            firefly_nonlinear2(&x, &wanted, &search).unwrap()
+            wanted.firefly_nonlinear2(&x, &search).unwrap()
         };
         // exp(-gamma r²) underflows for every pair that differs by 0.1 % of a range: nothing is left but the walk.
         let (printed, walk) = (run(FireflyUnits::Physical, 1.0), run(FireflyUnits::Physical, 0.0));
@@ -155,8 +151,8 @@ fn the_interior_point_reaches_the_point_of_the_augmented_lagrangian() {
         let events = truth.events(9.7222).unwrap();
         let (crush, t_m) = (events.dynamic_crush_m.unwrap(), events.time_of_dynamic_crush_s.unwrap());
         let options = options(&truth, 9.7222, crush, Some(t_m));
-        let (a, fit_a) = fit_nonlinear1(&record(&truth, 9.7222), &options, true).unwrap();
-        let (b, fit_b) = interior_point_nonlinear1(&record(&truth, 9.7222), &options).unwrap();
+        let (a, fit_a) = options.fit_nonlinear1(&record(&truth, 9.7222), true).unwrap();
+        let (b, fit_b) = options.interior_point_nonlinear1(&record(&truth, 9.7222)).unwrap();
         eprintln!("{a:?} {fit_a:?}\n{b:?} {fit_b:?}");
         let at = Model::Nonlinear1(b).events(9.7222).unwrap();
         // Feasibility tolerance of the method, 1e-8 of crush and speed.
@@ -198,7 +194,7 @@ fn side_conditions_that_cannot_be_met_are_named() {
         to_s: Some(0.06),
         samples: 250,
     };
-    let left = conditions_at_crush(&model, &options).unwrap();
+    let left = options.conditions_at_crush(&model).unwrap();
     assert!(left.iter().any(|condition| condition.abs() > 0.1), "{left:?}");
     let said = |note: &Note| note.text.contains("the conditions at dynamic crush are not met");
     assert!(found[0].notes.iter().any(said), "{:?}", found[0].notes);

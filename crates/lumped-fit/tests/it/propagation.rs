@@ -4,11 +4,10 @@ use std::collections::BTreeMap;
 
 use crumple_lumped::{Kelvin, Model, Nonlinear1};
 use crumple_lumped_fit::{
-    Distribution, FollowedEvents, InputUncertainty, IntegrationRule, Measurement, Observation, Repetition,
-    SingleMassFitOptions, fit_nonlinear1, free_parameters, kelvin_from_events, perturbed, propagate,
-    propagate_closed_form, propagate_conditioned, repeat, repetition,
+    FollowedEvents, InputUncertainty, Observation, Repetition, SingleMassFitOptions, free_parameters,
+    kelvin_from_events, propagate,
 };
-use crumple_signal::{Displacement, Signal};
+use crumple_signal::{Displacement, Distribution, IntegrationRule, Measurement, Signal};
 
 const DT_S: f64 = 1e-4;
 const BEFORE: usize = 200;
@@ -77,9 +76,9 @@ fn observed(a: &[f64], late_s: f64, from_contact: bool, window_s: (f64, f64)) ->
 #[test]
 fn a_contact_that_leaves_too_little_of_the_window_is_no_repetition() {
     let seen = observed(&acceleration(&Model::Nonlinear1(CAR)), 0.0, true, (0.0, 0.08));
-    assert!(perturbed(&seen, 0.0, 0.0, 0.0, 0.07).is_some());
+    assert!(Repetition::perturbed(&seen, 0.0, 0.0, 0.0, 0.07).is_some());
     for late_s in [0.0795, 0.2, 10.0] {
-        assert!(perturbed(&seen, 0.0, 0.0, 0.0, late_s).is_none(), "{late_s}");
+        assert!(Repetition::perturbed(&seen, 0.0, 0.0, 0.0, late_s).is_none(), "{late_s}");
     }
 }
 
@@ -98,7 +97,7 @@ fn another_zero_level_acts_from_contact_on_also_between_two_samples() {
     for share in [0.0, 0.4] {
         for from_contact in [true, false] {
             let of = |a: &[f64]| observed(a, share * DT_S, from_contact, (0.0, 0.08));
-            let found = perturbed(&of(&a), 0.0, 0.0, bias, 0.0).unwrap().observed;
+            let found = Repetition::perturbed(&of(&a), 0.0, 0.0, bias, 0.0).unwrap().observed;
             // Rounding of displacements below a metre; half an interval of 3 m/s² over 80 ms are 1e-5 m.
             assert!(apart(&found, &of(&higher)) < 1e-13, "{share} {from_contact}");
         }
@@ -124,7 +123,7 @@ fn a_record_that_begins_after_contact_takes_another_speed_from_contact_and_a_zer
         Observation::new(&Signal::new(first_s, DT_S, x).unwrap(), measurement, speed, (0.001, 0.08), 10_000).unwrap()
     };
     for from_contact in [true, false] {
-        let found = perturbed(&of(V0, -150.0, from_contact), 0.0, 0.5, 3.0, 0.0).unwrap().observed;
+        let found = Repetition::perturbed(&of(V0, -150.0, from_contact), 0.0, 0.5, 3.0, 0.0).unwrap().observed;
         // Rounding of displacements below a metre.
         assert!(apart(&found, &of(V0 + 0.5, -147.0, from_contact)) < 1e-14, "{from_contact}");
     }
@@ -140,8 +139,8 @@ fn another_time_zero_gives_what_the_whole_way_with_it_gives() {
             let seen = observed(&a, 0.0, from_contact, (from_s, 0.08));
             for late_s in [-1.5e-3, -4e-4, 4e-4, 1.53e-3] {
                 let again = observed(&a, late_s, from_contact, (from_s, 0.08 - late_s));
-                let whole = repeat(&model, &free, &Repetition { observed: again, mass_ratio: 1.0 }).unwrap();
-                let found = repeat(&model, &free, &perturbed(&seen, 0.0, 0.0, 0.0, late_s).unwrap()).unwrap();
+                let whole = Repetition { observed: again, mass_ratio: 1.0 }.fit(&model, &free).unwrap();
+                let found = Repetition::perturbed(&seen, 0.0, 0.0, 0.0, late_s).unwrap().fit(&model, &free).unwrap();
                 for (name, value) in &whole {
                     // The parabola at contact and the last sample of a window that ends between two: 1e-7 m on 0.5 m. A
                     // damper that is zero: a thousandth of m v0/C.
@@ -179,7 +178,9 @@ const DRAWS: usize = 40;
 /// The time zero of each repetition.
 fn drawn(seen: &Observation, inputs: &InputUncertainty) -> Vec<f64> {
     let first_s = seen.waves[0].measurement.first_s;
-    (0..DRAWS).map(|k| first_s - repetition(seen, inputs, k).unwrap().observed.waves[0].measurement.first_s).collect()
+    (0..DRAWS)
+        .map(|k| first_s - Repetition::drawn(seen, inputs, k).unwrap().observed.waves[0].measurement.first_s)
+        .collect()
 }
 
 #[test]
@@ -192,7 +193,7 @@ fn an_uncertain_time_zero_spreads_a_late_window_as_the_whole_way_does() {
         .into_iter()
         .map(|late_s| {
             let observed = observed(&a, late_s, false, (0.03, 0.08 - late_s));
-            repeat(&model, &free, &Repetition { observed, mass_ratio: 1.0 }).unwrap()
+            Repetition { observed, mass_ratio: 1.0 }.fit(&model, &free).unwrap()
         })
         .collect();
     let found = propagate(&model, &free, &seen, 1200.0, &LATE, DRAWS).unwrap();
@@ -226,7 +227,7 @@ fn an_uncertain_time_zero_spreads_a_closed_form_as_the_whole_way_does() {
             })
             .collect();
         let model = Model::Kelvin(solved(&events));
-        let found = propagate_closed_form(&model, &events, &seen, 1200.0, &LATE, DRAWS).unwrap();
+        let found = events.propagate(&model, (&seen, &seen), 1200.0, &LATE, DRAWS).unwrap();
         for (name, wanted) in spread(&whole) {
             let of = found.standard_deviation[name];
             eprintln!("{name}: {of:.4e}, the whole way {wanted:.4e}");
@@ -255,7 +256,7 @@ fn an_uncertain_time_zero_spreads_a_fit_under_conditions_as_the_whole_way_does()
                 to_s: Some(events.time_of_dynamic_crush_s),
                 samples: 250,
             };
-            (fit_nonlinear1(&x, &options, true).unwrap().0, events, whole)
+            (options.fit_nonlinear1(&x, true).unwrap().0, events, whole)
         };
         let (model, events, whole) = fit(0.0);
         let window = (from_s, events.time_of_dynamic_crush_s);
@@ -268,7 +269,7 @@ fn an_uncertain_time_zero_spreads_a_fit_under_conditions_as_the_whole_way_does()
                 BTreeMap::from([("k2_n_per_m", model.k2_n_per_m), ("c2_n_s_per_m", model.c2_n_s_per_m)])
             })
             .collect();
-        let found = propagate_conditioned(&model, &events, (&seen, &whole), 1200.0, &small, DRAWS).unwrap();
+        let found = events.propagate(&Model::Nonlinear1(model), (&seen, &whole), 1200.0, &small, DRAWS).unwrap();
         for (name, wanted) in spread(&again) {
             let of = found.standard_deviation[name];
             eprintln!("{name} from {from_s} s: {of:.4e}, the whole way {wanted:.4e}");

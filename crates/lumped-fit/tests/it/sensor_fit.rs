@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use crumple_lumped::{CrushedStructure, Kelvin, Model, ModelKind};
 use crumple_lumped_fit::{
-    AssessmentOptions, Candidate, FitQuantity, JointTest, LShadeOptions, MassFit, MassSplit, Method,
-    ONE_MASS_RATE_S_PER_M, Sensor, SensorPlace, SolveSettings, TestData, assess, fit_together, solve,
+    AssessmentOptions, Candidate, FitQuantity, JointTest, MassFit, MassSplit, Method, ONE_MASS_RATE_S_PER_M, Sensor,
+    SensorPlace, SolveSettings, TestData, fit_together, solve,
 };
+use crumple_numerics::estimation::minimise::l_shade::LShadeOptions;
 use crumple_signal::{Displacement, Notes, Sampled, Signal};
 use crumple_testkit::table_5;
 
@@ -172,7 +173,7 @@ fn two_sensors_tell_the_mass_ratio() {
     // Exact records, condition below 1e4.
     assert!(distance(&found[0].model, &truth) < 1e-8, "{found:?}");
     let minimum = found[0].minimum.as_ref().unwrap();
-    let assessed = assess(minimum, None, AssessmentOptions::default()).unwrap();
+    let assessed = minimum.assess(None, AssessmentOptions::default()).unwrap();
     assert!(assessed.standard_deviation.contains_key("m1_kg"));
 }
 
@@ -299,7 +300,7 @@ fn two_speeds_tell_the_rate_factor_and_with_it_the_crush_at_others() {
     }
     // The deviation of the rate factor is known, and every test is named with its error.
     let minimum = candidates[0].minimum.as_ref().unwrap();
-    let assessed = assess(minimum, None, AssessmentOptions::default()).unwrap();
+    let assessed = minimum.assess(None, AssessmentOptions::default()).unwrap();
     assert!(assessed.standard_deviation["rate_s_per_m"] > 0.0);
     let names: Vec<&str> = candidates[0].fit.as_ref().unwrap().sensors.iter().map(|s| s.channel.as_str()).collect();
     assert_eq!(names, ["test 1", "test 2"]);

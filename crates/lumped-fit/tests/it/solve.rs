@@ -1,7 +1,7 @@
 //! What the solver answers for whole tests, the awkward ones included.
 
 use crumple_lumped::{DoubleSpringMassDamper, Kelvin, Maxwell, Model, ModelKind};
-use crumple_lumped_fit::{Candidate, MODELS, MassSplit, Method, SolveError, SolveSettings, TestData, solve};
+use crumple_lumped_fit::{Candidate, MassSplit, Method, SolveError, SolveSettings, TestData, solve};
 use crumple_signal::{Displacement, Notes, Signal};
 
 const V0: f64 = 13.0;
@@ -39,7 +39,11 @@ fn test(displacement: &Signal<Displacement>) -> TestData<'_> {
 
 fn settings() -> SolveSettings {
     SolveSettings {
-        models: MODELS.iter().copied().filter(|m| *m != ModelKind::TripleSpringMassDamper).collect(),
+        models: SolveSettings::all_models()
+            .iter()
+            .copied()
+            .filter(|m| *m != ModelKind::TripleSpringMassDamper)
+            .collect(),
         ..SolveSettings::default()
     }
 }

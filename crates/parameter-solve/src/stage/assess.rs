@@ -2,9 +2,8 @@
 
 use crumple_lumped::{Model, ParameterKind};
 use crumple_lumped_fit::{
-    Assessed, AssessmentOptions, Candidate, FollowedEvents, MassFit, Method, Minimum, Observation, Propagation, assess,
-    largest_draw, propagate, propagate_chain, propagate_closed_form, propagate_conditioned, unloads_rigidly,
-    widen_by_mass_split,
+    Assessed, AssessmentOptions, Candidate, FollowedEvents, MassFit, Method, Minimum, Observation, Propagation,
+    propagate,
 };
 use crumple_numerics::estimation::work::determined;
 use crumple_signal::{About, Weight};
@@ -100,10 +99,10 @@ pub fn assess_each(
 /// taken at that minimum.
 pub fn assess_fit(candidate: &Candidate, asked: &AssessmentSettings, mass_kg: Option<f64>) -> Option<Assessed> {
     let minimum = candidate.minimum.as_ref()?;
-    let mut assessment = assess(minimum, None, asked.options())?;
+    let mut assessment = minimum.assess(None, asked.options())?;
     assessment.least_misfit = None;
     let mass_kg = mass_kg.filter(|_| candidate.stated.is_some() && asked.inputs.any());
-    let propagation = mass_kg.and_then(|kg| propagate_chain(minimum, kg, &asked.inputs, asked.repetitions));
+    let propagation = mass_kg.and_then(|kg| minimum.propagate_chain(kg, &asked.inputs, asked.repetitions));
     Some(Assessed { assessment, propagation, repeated: "fit", front_mass_uncertainty: 0.0 })
 }
 
@@ -113,11 +112,9 @@ impl Assessor<'_> {
         let asked = &self.settings.assessment;
         let at_minimum = candidate.is_at_minimum();
         let options = if at_minimum { asked.options() } else { AssessmentOptions::default() };
-        let mut assessment = assess(minimum, (!at_minimum).then_some(&candidate.model), options)?;
+        let mut assessment = minimum.assess((!at_minimum).then_some(&candidate.model), options)?;
         assessment.interval.extend(candidate.fixed_at_bound().into_iter().map(|name| (name.to_owned(), (None, None))));
-        if let (Method::ClosedForm, Model::Elastoplastic(model)) = (candidate.method, &candidate.model)
-            && unloads_rigidly(model)
-        {
+        if candidate.unloads_rigidly() {
             assessment.interval.insert("unloading_stiffness_n_per_m".to_owned(), (None, None));
             assessment.standard_deviation.remove("unloading_stiffness_n_per_m");
         }
@@ -133,7 +130,7 @@ impl Assessor<'_> {
         let front_mass_uncertainty =
             if of_several && at_minimum && !given { asked.front_mass_uncertainty } else { 0.0 };
         if of_several && at_minimum {
-            widen_by_mass_split(minimum, &mut assessment, front_mass_uncertainty);
+            minimum.widen_by_mass_split(&mut assessment, front_mass_uncertainty);
         }
         let repeated = match candidate.method {
             Method::ClosedForm if candidate.fit.is_none() => "closed form",
@@ -160,12 +157,11 @@ impl Assessor<'_> {
             _ if candidate.is_at_minimum() => {
                 propagate(&minimum.model, &minimum.free, &minimum.observed, self.mass_kg, &inputs, repetitions)
             }
-            (Method::ClosedForm, model) => {
-                propagate_closed_form(model, &events, self.whole.as_ref()?, self.mass_kg, &inputs, repetitions)
-            }
-            (_, Model::Nonlinear1(model)) if is_conditioned(candidate) && self.events.dynamic_crush_m.is_some() => {
+            _ if candidate.method == Method::ClosedForm
+                || is_conditioned(candidate) && self.events.dynamic_crush_m.is_some() =>
+            {
                 let records = (&minimum.observed, self.whole.as_ref()?);
-                propagate_conditioned(model, &events, records, self.mass_kg, &inputs, repetitions)
+                events.propagate(&candidate.model, records, self.mass_kg, &inputs, repetitions)
             }
             _ => None,
         }
@@ -187,7 +183,7 @@ impl Assessor<'_> {
                 elsewhere.join(", ")
             ));
         }
-        let largest = largest_draw(asked.inputs.distributions[3]) * asked.inputs.contact_s;
+        let largest = asked.inputs.distributions[3].largest() * asked.inputs.contact_s;
         for (candidate, assessed) in assessed() {
             if assessed.propagation.is_some() && largest > ONE_MINIMUM_S && is_conditioned(candidate) {
                 out.notes().concern(About::Model(candidate.id()), Weight::Marked, format!(

@@ -2,8 +2,7 @@
 
 use crumple_lumped::{Chain, ParameterKind};
 use crumple_lumped_fit::{
-    Candidate, Observation, ObservedWave, SensorPlace, Stated, StatedChain, StatedElement, StatedMass, errors_in_words,
-    fit_chain, mass_of, note_of_errors,
+    Candidate, Observation, ObservedWave, SensorPlace, Stated, StatedChain, StatedElement, StatedMass,
 };
 use crumple_numerics::estimation::work::determined;
 use crumple_signal::{About, Note, Weight};
@@ -105,14 +104,14 @@ pub fn fit_chains(
         let hint = format!("see [parameter-solve.chain.{}] of the pipeline file", chain.name);
         let (stated, starts) = (chain.stated(total_kg), settings.solve.fit_starts);
         let limited = observed.clone().limited(settings.solve.searches());
-        let fitted = determined(|| fit_chain(&stated, &limited, starts)).unwrap_or_else(|reason| {
+        let fitted = determined(|| stated.fit(&limited, starts)).unwrap_or_else(|reason| {
             let about = About::Model(format!("chain/{}", chain.name));
             out.notes().concern(about, Weight::Marked, format!("chain {}: {reason}", chain.name));
             Ok(Vec::new())
         });
         let mut fitted = fitted.refuse_with_hint(hint)?;
         fitted.iter_mut().for_each(|fitted| fitted.stated = Some(chain.name.clone()));
-        let mass_kg = |candidate: &Candidate| total_kg.unwrap_or_else(|| mass_of(&candidate.model));
+        let mass_kg = |candidate: &Candidate| total_kg.unwrap_or_else(|| candidate.model.masses_kg().iter().sum());
         let asked = &settings.assessment;
         assess_each(&mut fitted, asked, out, |candidate| assess_fit(candidate, asked, Some(mass_kg(candidate))));
         warn_of_what_is_undecided(chain, &fitted, out);
@@ -278,9 +277,7 @@ fn notes(
     }
     notes.push(format!("fitted to {quantity} from {from_ms:.2} ms to {to_ms:.2} ms after time zero"));
     if sensors.len() > 1 {
-        let errors = sensors.iter().zip(&fit.sensors);
-        let errors = errors.map(|(s, fit)| (fit.rmse, quantity, s.channel.as_str(), s.place.to_string()));
-        notes.push(note_of_errors(&errors_in_words(errors), None));
+        notes.push(fit.errors_remark(sensors.iter().map(|sensor| sensor.place)));
     }
     if !observed.is_as_measured() {
         notes.push("the filter of a sensor is not known: fitted as if its record had none".to_owned());

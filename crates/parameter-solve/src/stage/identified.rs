@@ -2,8 +2,7 @@
 
 use crumple_lumped::{Complex, ModelKind, RealisedModel};
 use crumple_lumped_fit::{
-    Candidate, CoefficientSpread, Identified, MassEvidence, MassSplit, Method, Quartic, curve_fit_of_the_paper, masses,
-    match_identified, maxwell_from_sum,
+    Candidate, CoefficientSpread, Identified, MassSplit, Method, Quartic, curve_fit_of_the_paper, maxwell_from_sum,
 };
 use crumple_numerics::lti::{eigenvalues, matrix_logarithm};
 use crumple_stage::records::{EvidenceV1, ExponentialSumV1, ModesV2, StateSpaceV1, TransferFunctionV1};
@@ -42,8 +41,7 @@ pub fn from_models(
     let mut candidates: Vec<Candidate> = Vec::new();
     for model in &identified {
         let first = candidates.len() + 1;
-        let matched =
-            match_identified(model, m1_kg, m2_kg, first, out.notes()).refuse_with_hint(matching_hint(model))?;
+        let matched = model.matched(m1_kg, m2_kg, first, out.notes()).refuse_with_hint(matching_hint(model))?;
         out.put(&format!("/matching/{}", model.id), &matching_record(&matched, model.source))?;
         candidates.extend(matched.candidates);
     }
@@ -275,8 +273,7 @@ pub fn given_masses(settings: &StageSettings, mass_kg: Option<f64>, out: &mut Ou
                 .into());
         }
     };
-    let (m1_kg, m2_kg, split) =
-        masses(mass_kg, settings.solve.split, MassEvidence::Compartment).refuse_with_hint(see(&["m1", "m2"]))?;
+    let (m1_kg, m2_kg, split) = settings.solve.split.masses(mass_kg).refuse_with_hint(see(&["m1", "m2"]))?;
     out.notes().info(split);
     Ok((m1_kg, m2_kg))
 }

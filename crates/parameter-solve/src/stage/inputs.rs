@@ -1,7 +1,7 @@
 //! What the artifacts hold of a test, and its candidates from events and motion.
 
-use crumple_lumped_fit::{Candidate, FitQuantity, MassSplit, Measurement, Sensor, SensorPlace, TestData, solve};
-use crumple_signal::{Acceleration, Displacement, Force, Sampled, Signal, TestDescription, Velocity};
+use crumple_lumped_fit::{Candidate, FitQuantity, MassSplit, Sensor, SensorPlace, TestData, solve};
+use crumple_signal::{Acceleration, Displacement, Force, Measurement, Sampled, Signal, TestDescription, Velocity};
 use crumple_stage::records::EventsV1;
 use crumple_stage::{Inputs, Output, RefuseExt, Refused, flag, option, program};
 

@@ -13,7 +13,7 @@ mod several_tests;
 
 use std::path::PathBuf;
 
-use crumple_lumped_fit::{Candidate, MassSplit, Method, all_in_words, match_as_the_paper_typed};
+use crumple_lumped_fit::{Candidate, MassSplit, Method, match_as_the_paper_typed};
 use crumple_signal::{About, TestDescription, Weight};
 use crumple_stage::records::{EventsV1, TestV1};
 use crumple_stage::{Inputs, LeftOut, Loaded, Outcome, Output, Stage, Tests};
@@ -75,7 +75,7 @@ impl Stage for ParameterSolve {
             let described = input.test()?;
             if let Some((reason, remedy)) = unsolvable(settings, displacement.as_ref(), events, &described) {
                 out.remedy(remedy);
-                out.put("/test", &TestV1::from(&described))?;
+                out.put("/test", &input.test_with_samples(&described))?;
                 return Ok(Outcome::NoAcceptableResult(reason));
             }
             let record = Record::read(settings, input, &described, (events, displacement.clone()), out)?;
@@ -86,7 +86,7 @@ impl Stage for ParameterSolve {
             test = Some(input.test()?);
         }
         if let Some(test) = &test {
-            out.put("/test", &TestV1::from(test))?;
+            out.put("/test", &input.test_with_samples(test))?;
         }
         let mass_kg = settings.mass_kg.or(test.as_ref().and_then(|test| test.mass_kg));
         candidates.extend(of_identified_models(settings, input, mass_kg, out)?);
@@ -177,7 +177,7 @@ fn warn_of_flags_without_effect(settings: &StageSettings, candidates: &[Candidat
 fn warn_of_bounds(candidates: &[Candidate], out: &mut Output) {
     for candidate in candidates {
         let dual = candidate.equivalent_to.is_some_and(|other| other < candidate.index);
-        let words = all_in_words(&candidate.model, candidate.fixed_at_bound());
+        let words = candidate.in_words(candidate.fixed_at_bound());
         if !dual && !words.is_empty() {
             let id = candidate.id();
             let text = format!("{id}: parameters at a search limit, not identifiable from this record: {words}");

@@ -8,9 +8,7 @@ use std::str::FromStr;
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use crumple_lumped::ModelKind;
-use crumple_lumped_fit::{
-    DEFAULT_MODELS, FireflyUnits, FitQuantity, METHODS, MODELS, MassFit, Method, SensorPlace, solvers_of,
-};
+use crumple_lumped_fit::{FireflyUnits, FitQuantity, MassFit, Method, SensorPlace, SolveSettings};
 use crumple_signal::Uncertain;
 use crumple_signal::value::{Acceleration, Mass, Speed, Time};
 use serde::{Deserialize, Serialize, Serializer};
@@ -89,15 +87,19 @@ pub enum Paper {
 /// `--models`, from the table of solvers.
 fn models_help() -> String {
     let names = |models: &[ModelKind]| models.iter().map(|model| model.name()).collect::<Vec<_>>().join(", ");
-    let left_out: Vec<_> = MODELS.iter().copied().filter(|model| !DEFAULT_MODELS.contains(model)).collect();
-    format!("Models to solve for: {} [default: all but {}]", names(&MODELS), names(&left_out))
+    let left_out: Vec<_> = SolveSettings::all_models()
+        .iter()
+        .copied()
+        .filter(|model| !SolveSettings::default_models().contains(model))
+        .collect();
+    format!("Models to solve for: {} [default: all but {}]", names(SolveSettings::all_models()), names(&left_out))
 }
 
 /// `--method`, from the table of solvers.
 fn methods_help() -> String {
     let describe = |method: &Method| {
         let models: Vec<_> = method.models().collect();
-        let suffix = if models.len() == MODELS.len() {
+        let suffix = if models.len() == SolveSettings::all_models().len() {
             String::new()
         } else {
             format!(" [{}]", models.iter().map(|model| model.name()).collect::<Vec<_>>().join(", "))
@@ -105,13 +107,13 @@ fn methods_help() -> String {
         format!("{method}: {}{suffix}", method.about())
     };
     let by_default = |model: &ModelKind| {
-        let methods: Vec<_> = solvers_of(*model, &[]).iter().map(|solver| solver.method.name()).collect();
+        let methods: Vec<_> = Method::default_of(*model).map(Method::name).collect();
         format!("{model} {}", methods.join(", "))
     };
     format!(
         "Methods. {} [default: {}]",
-        METHODS.iter().map(describe).collect::<Vec<_>>().join("; "),
-        MODELS.iter().map(by_default).collect::<Vec<_>>().join("; ")
+        Method::ALL.iter().map(describe).collect::<Vec<_>>().join("; "),
+        SolveSettings::all_models().iter().map(by_default).collect::<Vec<_>>().join("; ")
     )
 }
 
@@ -122,12 +124,12 @@ pub struct Options {
     // The texts of these two come from the table of solvers.
     #[allow(missing_docs, reason = "the help text is made from the table")]
     #[arg(long, value_name = "NAME", value_delimiter = ',', help = models_help(), hide_possible_values = true,
-        value_parser = one_of::<ModelKind>(MODELS.iter().map(|model| model.name()).collect()))]
+        value_parser = one_of::<ModelKind>(SolveSettings::all_models().iter().map(|model| model.name()).collect()))]
     pub models: Vec<Named<ModelKind>>,
 
     #[allow(missing_docs, reason = "the help text is made from the table")]
     #[arg(long, value_name = "NAME", value_delimiter = ',', help = methods_help(), hide_possible_values = true,
-        value_parser = one_of::<Method>(METHODS.iter().map(|method| method.name()).collect()))]
+        value_parser = one_of::<Method>(Method::ALL.iter().map(|method| method.name()).collect()))]
     pub method: Vec<Named<Method>>,
 
     /// Firefly search: units of distance, physical (as printed) or unit (every variable over its range) [default: unit]

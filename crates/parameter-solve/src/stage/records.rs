@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crumple_lumped::{Model, Parameter, ParameterKind};
 use crumple_lumped_fit::{
     Assessed, BlockBootstrap, Candidate, Evaluation, Fit, Matched, Minimum, Profile, Propagation, SensorFit,
-    Uncertainty, all_in_words,
+    Uncertainty,
 };
 use crumple_stage::records::{
     CandidateV1, FitV1, MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1, PhysicalCoordinatesV1,
@@ -297,7 +297,7 @@ fn summary_text(candidate: &Candidate) -> Option<String> {
     let Assessed { assessment, propagation, .. } = candidate.assessed.as_ref()?;
     let mut parts = Vec::new();
     let unidentified = assessment.profile.iter().filter(|p| !p.identifiable()).map(|p| p.parameter.as_str());
-    let unidentified = all_in_words(&candidate.model, unidentified);
+    let unidentified = candidate.in_words(unidentified);
     if !unidentified.is_empty() {
         parts.push(format!("not identifiable: {unidentified}"));
     }

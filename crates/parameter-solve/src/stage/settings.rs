@@ -2,11 +2,12 @@
 
 use crumple_lumped::ModelKind;
 use crumple_lumped_fit::{
-    AssessmentOptions, Distribution, FRONT_MASS_FRACTION, FireflyOptions, InputUncertainty, LShadeOptions, MODELS,
-    MassFit, MassSplit, Method, ONE_MASS_RATE_S_PER_M, REPETITIONS, SelectionRules, SolveSettings, largest_draw,
+    AssessmentOptions, FireflyOptions, InputUncertainty, MassFit, MassSplit, Method, ONE_MASS_RATE_S_PER_M,
+    SelectionRules, SolveSettings,
 };
-use crumple_signal::Spread;
+use crumple_numerics::estimation::minimise::l_shade::LShadeOptions;
 use crumple_signal::value::{Mass, Time};
+use crumple_signal::{Distribution, Spread};
 use crumple_stage::{Usage, option};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
@@ -57,7 +58,7 @@ impl TryFrom<Options> for StageSettings {
     type Error = anyhow::Error;
 
     fn try_from(options: Options) -> anyhow::Result<Self> {
-        let fraction = options.front_mass_fraction.unwrap_or(FRONT_MASS_FRACTION);
+        let fraction = options.front_mass_fraction.unwrap_or(MassSplit::USUAL_FRONT);
         if !(fraction > 0.0 && fraction < 1.0) {
             return Err(
                 Usage::new(format!("front-mass-fraction is {fraction}, expected a number between 0 and 1")).into()
@@ -65,8 +66,8 @@ impl TryFrom<Options> for StageSettings {
         }
         let default = SolveSettings::default();
         let named: Vec<ModelKind> = options.models.iter().map(|model| model.0).collect();
-        if let Some(kind) = named.iter().find(|kind| !MODELS.contains(kind)) {
-            let names: Vec<_> = MODELS.iter().map(|model| model.name()).collect();
+        if let Some(kind) = named.iter().find(|kind| !SolveSettings::all_models().contains(kind)) {
+            let names: Vec<_> = SolveSettings::all_models().iter().map(|model| model.name()).collect();
             return Err(Usage::new(format!("there is no solver for the model {kind}"))
                 .hint(format!("there are: {}", names.join(", ")))
                 .into());
@@ -115,7 +116,7 @@ fn mass_split(options: &Options) -> MassSplit {
         (Some(m1), Some(m2)) => MassSplit::Both(m1, m2),
         (Some(m1), None) => MassSplit::Front(m1),
         (None, Some(m2)) => MassSplit::Rear(m2),
-        (None, None) => MassSplit::FrontFraction(options.front_mass_fraction.unwrap_or(FRONT_MASS_FRACTION)),
+        (None, None) => MassSplit::FrontFraction(options.front_mass_fraction.unwrap_or(MassSplit::USUAL_FRONT)),
     }
 }
 
@@ -142,7 +143,7 @@ fn front_mass_uncertainty(options: &Options) -> Result<f64, Usage> {
     let split = mass_split(options);
     let (share, by_fraction) = match split {
         MassSplit::FrontFraction(share) => (share, true),
-        _ => (FRONT_MASS_FRACTION, false),
+        _ => (MassSplit::USUAL_FRONT, false),
     };
     let fitted = options.fit_masses.is_some_and(|how| how.0 != MassFit::Known);
     let assumed = by_fraction && options.front_mass_fraction.is_none() && !fitted;
@@ -192,7 +193,7 @@ fn assessment_settings(options: &Options) -> Result<AssessmentSettings, Usage> {
                 Distribution::default(),
             ],
         },
-        repetitions: replicates("repetitions", options.repetitions.unwrap_or(REPETITIONS))?,
+        repetitions: replicates("repetitions", options.repetitions.unwrap_or(InputUncertainty::REPETITIONS))?,
     })
 }
 
@@ -340,7 +341,7 @@ impl AssessmentSettings {
     /// Refuses uncertainties of which a draw could make the mass or the speed zero.
     pub fn check(&self, mass_kg: Option<f64>, impact_speed_m_per_s: f64) -> Result<(), Usage> {
         let reaches = |flag: &str, size: f64, distribution: Distribution, value: f64, unit: &str| {
-            let largest = largest_draw(distribution);
+            let largest = distribution.largest();
             if largest * size < value {
                 return Ok(());
             }

@@ -1,9 +1,7 @@
 //! One model for several tests: their records, the joint candidates, the choice among them.
 
-use crumple_lumped_fit::{
-    FitQuantity, JointTest, Measurement, RateFactorSource, Sensor, deepest_crush, fit_together, rate_factor_source,
-};
-use crumple_signal::{Axis, Sampled, TestDescription};
+use crumple_lumped_fit::{FitQuantity, JointTest, RateFactorSource, Sensor, fit_together};
+use crumple_signal::{Axis, Measurement, Sampled, TestDescription};
 use crumple_stage::records::{EventsV1, JointTestV1, SourceV1, TestV1, TestsV1};
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt, Usage, option};
 
@@ -45,7 +43,7 @@ pub fn from_several(settings: &StageSettings, tests: &[(String, Inputs)], out: &
             acceleration: test.acceleration.as_ref().map(|(wave, measurement)| (wave, *measurement)),
         })
         .collect();
-    let reference = &tests[deepest_crush(&joint)];
+    let reference = &tests[JointTest::deepest(&joint)];
     let record_of_tests = tests_record(&tests);
     out.put("/test", &joint_test(&tests, reference))?;
     out.put("/tests", &record_of_tests)?;
@@ -136,7 +134,7 @@ fn joint_test(tests: &[OneTest<'_>], reference: &OneTest<'_>) -> TestV1 {
 
 fn tests_record(tests: &[OneTest<'_>]) -> TestsV1 {
     let speeds: Vec<f64> = tests.iter().map(|test| test.record.impact_speed_m_per_s).collect();
-    let rate_factor = match rate_factor_source(&speeds) {
+    let rate_factor = match RateFactorSource::of(&speeds) {
         RateFactorSource::Fitted => "fitted",
         RateFactorSource::Prior { .. } => "prior",
     };

@@ -6,8 +6,10 @@ use std::process::{Command, Output};
 use crumple_artifact::records::{CandidateV1, ChannelFilterV1, EventsV1, NotesV1, RecommendationV1, TestV1, TestsV1};
 use crumple_artifact::{Artifact, ArtifactBuilder};
 use crumple_lumped::{CrushedStructure, DoubleSpringMassDamper, Model};
-use crumple_lumped_fit::{FitQuantity, IntegrationRule, MeasureModel, Measurement, TwoPassFilter};
-use crumple_signal::{Channel, QuantityKind, Sampled, Source, TestDescription};
+use crumple_lumped_fit::{FitQuantity, MeasureModel};
+use crumple_signal::{
+    Channel, IntegrationRule, Measurement, QuantityKind, Sampled, Source, TestDescription, TwoPassFilter,
+};
 
 use crate::command_models::{result, run, said, write};
 

@@ -10,7 +10,7 @@ mod table;
 use std::path::PathBuf;
 
 use crate::{Candidate, ImpactSetup, Scenario, predict};
-use crumple_stage::records::{CandidateV1, RecommendationV1, TestV1};
+use crumple_stage::records::{CandidateV1, RecommendationV1};
 use crumple_stage::{InputDigest, Inputs, Loaded, Outcome, Output, Refused, Stage, option};
 
 use crate::stage::inputs::{OtherTest, beside_in_words, candidates, named, read_other_test, tested};
@@ -71,7 +71,7 @@ impl Stage for Predict {
         })?;
         let candidates: Vec<Candidate> = candidates(&records, choice.as_ref());
         let named = named(&candidates, &records, choice.as_ref(), &settings.candidates)?;
-        out.put("/test", &TestV1::from(&test))?;
+        out.put("/test", &input.test_with_samples(&test))?;
         if settings.taken_as_km_per_h {
             out.notes().info("a range of speeds without a unit is taken as km/h");
         }

@@ -55,12 +55,14 @@ fn about_models(runs: &[ComparedRun]) -> Vec<Row> {
     ]
 }
 
+/// Displacement fits that differ by less, percentage points, are equal: at 10 m/s and half a metre of crush that is
+/// about 0.1 mm.
+const EQUAL_FIT_POINTS: f64 = 0.1;
+
 /// How closely the model follows the displacement; apart where two fits are not called equally good.
 fn fit_row(models: &[Option<&CandidateResult>]) -> Row {
     let fits: Vec<Option<f64>> = models.iter().map(|model| model.and_then(CandidateResult::fit_percent)).collect();
-    let apart = |fit: Option<f64>| {
-        fit.zip(fits[0]).is_some_and(|(fit, first)| (fit - first).abs() > crate::findings::ranking::AS_GOOD_PERCENT)
-    };
+    let apart = |fit: Option<f64>| fit.zip(fits[0]).is_some_and(|(fit, first)| (fit - first).abs() > EQUAL_FIT_POINTS);
     let cell = |fit: &Option<f64>| Cell {
         text: fit.map_or_else(|| ABSENT.to_owned(), |fit| words::quantity(fit, 2, "%")),
         differs: apart(*fit),

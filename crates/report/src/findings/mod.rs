@@ -10,7 +10,7 @@ mod text;
 
 pub use conclusions::concerns::{concerns, first_warnings, is_of_a_failed_method, is_of_another_candidate, warnings};
 pub use conclusions::conclusion::{Conclusion, Number, ResultStatus, conclusion};
-pub use conclusions::distinct_curves::{DistinctCurve, SAME_CURVE, SAME_RESTITUTION, distinct_curves};
+pub use conclusions::distinct_curves::{DistinctCurve, SAME_CURVE, SAME_RESTITUTION, distinct_curves, same_curve};
 pub use conclusions::key_numbers::{KeyNumber, Spread, key_numbers};
 pub use conclusions::kind::Kind;
 pub use conclusions::overview::{OverviewLine, overview};

@@ -14,7 +14,6 @@ use crumple_artifact::records::{
 };
 use crumple_signal::{Note, Severity};
 
-use crate::figures::identification::simulated::order;
 use crate::frame::{Column, table};
 use crate::page::figures;
 
@@ -37,7 +36,7 @@ pub(super) fn write(out: &mut String, run: &Run, concerns: &[ConcernV1], drawn: 
     }
     write_recommended(out, run);
     figures::write(out, drawn, "h3");
-    for place in order(run) {
+    for place in run.model_order() {
         write_model(out, &run.models[place]);
     }
     write_failed_methods(out, concerns);

@@ -1,10 +1,7 @@
 //! What is missing, what the stages remarked, what the result can and cannot say, where it came from.
 
 use crate::drawing::escape::html;
-use crate::findings::{
-    CandidateResult, Ranking, Run, StageNote, candidate_name, is_of_another_candidate, parameter,
-    ranking::AS_GOOD_PERCENT, warnings,
-};
+use crate::findings::{CandidateResult, Ranking, Run, StageNote, is_of_another_candidate, warnings};
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;
@@ -89,7 +86,7 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
     {
         limits.push(texts.one_sensor_dual.to_owned());
     }
-    limits.extend(about_the_best(run, ranking));
+    limits.extend(ranking.no_best().map(|reason| fill(texts.none_recommended, &[("reason", reason)])));
     let window = run.candidates.iter().find_map(|c| c.simulation.as_ref()).map(|s| (s.from_s, s.to_s));
     if run.is_generic() {
         limits.push(texts.generic_limit.to_owned());
@@ -130,44 +127,6 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
     }
     let items: String = limits.iter().map(|text| format!("<li>{}</li>\n", html(text))).collect();
     out.push_str(&format!("<section>\n<h2>{}</h2>\n<ul class=\"limits\">\n{items}</ul>\n</section>\n", texts.limits));
-}
-
-/// Why a closer fit is not called the best: undetermined parameters, or more of them than the record gives reason for.
-fn about_the_best(run: &Run, ranking: &Ranking) -> Vec<String> {
-    let texts = &PHRASES.remarks;
-    if let Some(reason) = ranking.no_best.as_deref().filter(|_| !ranking.order.is_empty()) {
-        return vec![fill(texts.none_recommended, &[("reason", reason)])];
-    }
-    if run.recommendation.is_some() {
-        // The table of the choice says it.
-        return Vec::new();
-    }
-    let fit = CandidateResult::fit_percent;
-    let best = ranking.best.as_deref().and_then(|id| run.candidate(id));
-    let closest = ranking.order.iter().filter_map(|id| run.candidate(id)).find(|c| c.record.physical);
-    let Some(closest) = closest.filter(|c| best.is_none_or(|best| fit(c) > fit(best))) else { return Vec::new() };
-    let on_bound = closest.record.fit.as_ref().map(|fit| fit.active_bounds.as_slice()).unwrap_or_default();
-    let name = candidate_name(&closest.id);
-    if !on_bound.is_empty() {
-        let symbols: Vec<String> = on_bound.iter().map(|name| parameter(&closest.record.model, name, 0.0).0).collect();
-        return vec![fill(texts.stopped_on_bound, &[("model", name), ("names", symbols.join(", "))])];
-    }
-    let Some(best) = best else { return Vec::new() };
-    let open = CandidateResult::left_open;
-    let (count, instead) = (closest.record.parameters.len(), best.record.parameters.len());
-    let (template, count, instead) = match () {
-        () if closest.divides_by_formula() && !best.divides_by_formula() => (texts.divided_by_formula, 0, 0),
-        () if open(closest) > open(best) => (texts.more_open, open(closest), open(best)),
-        () if count > instead => (texts.more_parameters, count, instead),
-        () => return Vec::new(),
-    };
-    let filled = [
-        ("model", name),
-        ("points", AS_GOOD_PERCENT.to_string()),
-        ("count", count.to_string()),
-        ("instead", instead.to_string()),
-    ];
-    vec![fill(template, &filled)]
 }
 
 pub(super) fn write_provenance(out: &mut String, run: &Run) {

@@ -89,18 +89,11 @@ texts! { CandidateTexts
         " and its dual {model}, which this sensor cannot tell from it";
     it_is_not_passive: "; it is not a passive structure";
     ranked_recommended:
-        "Ranked by the fit of the displacement, the model measured as the record was. Highlighted is the chosen model, \
-         which need not be the one that follows this record closest: the list above says why. A dual gives exactly the \
-         same record on this sensor and so the same figures.";
-    ranked_best:
-        "Ranked by the fit of the displacement, the model measured as the record was. Highlighted is the best that is \
-         physical, has no parameter left on a bound of its search other than zero, the physical limit, and a fit \
-         within 0.1 points of the best such candidate; of those the one with the fewest parameters left open by the \
-         record, then the one with the fewest parameters. A dual gives exactly the same record on this sensor and so \
-         the same figures.";
-    ranked_none:
-        "No candidate is called the best: that takes a physical candidate without a parameter on a bound that \
-         explains at least half of the displacement; zero is no such bound, but the physical limit.";
+        "In the order of the choice: adequate models first, then by the evidence. Highlighted is the recommended \
+         model: the list above says why. A dual gives exactly the same record on this sensor and so the same figures.";
+    ranked_by_fit:
+        "In the order of the displacement fit, the model measured as the record was. No model is recommended. A dual \
+         gives exactly the same record on this sensor and so the same figures.";
     intervals_caption:
         "± is one standard deviation, from the misfit and the sensitivities at the fit; “95 %” is the interval that \
          holds the value in 95 of 100 such records if the model is true and mass, speed, gain and the division of the \

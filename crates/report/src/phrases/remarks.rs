@@ -31,12 +31,7 @@ texts! { RemarkTexts
         "ranking: the candidates were not simulated (by the stage simulate)";
     without_parameters:
         "the parameters of {count} simulated candidates (parameter-solve writes them)";
-    by_fit_alone:
-        "ranked by displacement fit only: parameter-solve did not run, so there is no recommendation";
-    other_axis:
-        "channel {channel} is along {axis}, and the models are of a crush along x";
-    no_end_of_crush:
-        "the dynamic crush is not in the record: the velocity never reaches zero";
+    no_choice: "parameter-solve made no choice among the candidates";
     notes_title: "Warnings and notes";
     one_warning: "1 warning";
     of_other_candidates:
@@ -79,18 +74,6 @@ texts! { RemarkTexts
     end_of_event:
         " Its change is counted, and models are fitted, up to the end of the event at {time} ({rule}).";
     none_recommended: "No model is recommended: {reason}.";
-    stopped_on_bound:
-        "{model} fits closest but is not called the best: {names} stopped on a bound of the search, so the record \
-         does not determine these values.";
-    divided_by_formula:
-        "{model} fits no more than {points} percentage points better and its masses were looked for with a sensor on \
-         the last one alone, which does not decide their division.";
-    more_open:
-        "{model} fits no more than {points} percentage points better, and this record leaves {count} of its \
-         parameters undetermined instead of {instead}.";
-    more_parameters:
-        "{model} fits no more than {points} percentage points better with {count} parameters instead of {instead}: \
-         this record gives no reason for the larger model.";
     provenance: "Provenance";
     source:
         "Record: {name} ({format}), {digest}. Pipeline: {pipeline}.";

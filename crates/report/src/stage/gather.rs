@@ -14,7 +14,7 @@ use crumple_artifact::records::{
     StateSpaceV1, TestV1, TestsV1, TransferFunctionV1,
 };
 use crumple_signal::{About, Channel, Note, QuantityKind, Sampled, TestDescription, Weight};
-use crumple_stage::{Inputs, RefuseExt, Refused, program};
+use crumple_stage::{Inputs, Refused, program};
 
 /// Everything the artifacts say that a report shows. What none of them holds is named in [`Run::missing`].
 ///
@@ -23,7 +23,7 @@ pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
     let mut run = Run::default();
     let texts = &PHRASES.remarks;
     match inputs.record_if::<TestV1>("/test")? {
-        Some(test) => run.test = TestDescription::try_from(test).refuse_with_hint("see docs/format.md, type Test")?,
+        Some(_) => run.test = inputs.test()?,
         None => run.missing.push(texts.no_description.to_owned()),
     }
     run.joint = inputs.record_if::<TestsV1>("/tests")?.map(JointTests::new);

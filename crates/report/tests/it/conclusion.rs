@@ -185,6 +185,10 @@ fn weak_evidence_and_a_missed_event_of_the_own_test_are_said() {
     (choice.strength, choice.beside) = (Some(StrengthV1::Decisive), Some("maxwell/direct-fit/1".to_owned()));
     assert!(status_of(&run).starts_with("usable: "));
     run.recommendation.as_mut().unwrap().strength = Some(StrengthV1::Contrary);
+    // Of a misfit that was not computed nothing is said.
+    assert!(status_of(&run).starts_with("usable: "));
+    let candidates = &mut run.recommendation.as_mut().unwrap().candidates;
+    (candidates[0].misfit, candidates[1].misfit) = (Some(2.0), Some(1.5));
     let contrary = "chosen for its crush at lower speeds: Maxwell, direct fit 1 follows the pulse closer.";
     assert_eq!(status_of(&run), format!("usable with care: {contrary}"));
     run.recommendation.as_mut().unwrap().strength = Some(StrengthV1::Weak);

@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 
 use crumple_artifact::records::{
-    CandidateV1, EventIntervalV1, EventsV1, FitV1, MetricV1, ResponseV1, SensorFitV1, SimulationV1, UncertaintyV1,
+    CandidateV1, EventIntervalV1, EventsV1, FitV1, MetricV1, RatedCandidateV1, RecommendationV1, ResponseV1,
+    SensorFitV1, SimulationV1, UncertaintyV1,
 };
 use crumple_report::drawing::Figure;
 use crumple_report::{CandidateResult, Model, Page, Ranking, Run, SensorMotion, all_figures, summary};
-use crumple_signal::{Axis, Channel, QuantityKind, Sampled};
+use crumple_signal::{Channel, QuantityKind, Sampled};
 
 fn record<T: serde::de::DeserializeOwned>(json: serde_json::Value) -> T {
     serde_json::from_value(json).unwrap()
@@ -61,22 +62,36 @@ fn fit(active_bounds: &[&str], sensors: Vec<SensorFitV1>) -> FitV1 {
 }
 
 #[test]
-fn no_model_is_the_best_of_a_record_without_a_crush_along_the_vehicle() {
+fn none_is_recommended_where_the_choice_names_none() {
     let mut run = crash();
     run.candidates = vec![candidate("kelvin/closed-form/1", &[("stiffness_n_per_m", 3e5)], 99.0)];
-    let best = |run: &Run| Ranking::of_run(run).best;
-    assert_eq!(best(&run).as_deref(), Some("kelvin/closed-form/1"));
-    let mut lateral = Channel::new("93", QuantityKind::Acceleration);
-    lateral.axis = Some(Axis::Y);
-    run.test.channels = vec![lateral];
-    let ranking = Ranking::of_run(&run);
-    assert_eq!((ranking.best, ranking.order.len()), (None, 1));
-    assert_eq!(ranking.no_best.as_deref(), Some("channel 93 is along y, and the models are of a crush along x"));
-    run.test.channels.clear();
-    run.events.as_mut().unwrap().time_of_dynamic_crush_s = None;
-    let ranking = Ranking::of_run(&run);
-    let json = serde_json::from_str::<serde_json::Value>(&summary(&run, &ranking).to_json().unwrap()).unwrap();
-    assert!(json["best"].is_null() && json["no_best"].as_str().unwrap().contains("never reaches zero"), "{json}");
+    let because = "channel 93 is along y, and the models are of a crush along x";
+    for (choice, reason) in [(None, "no choice"), (Some(choice(None, because, &[])), because)] {
+        run.recommendation = choice;
+        let ranking = Ranking::of_run(&run);
+        assert_eq!((&ranking.best, ranking.order.len()), (&None, 1));
+        let json = serde_json::from_str::<serde_json::Value>(&summary(&run, &ranking).to_json().unwrap()).unwrap();
+        assert!(json["best"].is_null() && json["no_best"].as_str().unwrap().contains(reason), "{json}");
+    }
+    run.recommendation = Some(choice(Some("kelvin/closed-form/1"), "", &["kelvin/closed-form/1"]));
+    assert_eq!(Ranking::of_run(&run).best.as_deref(), Some("kelvin/closed-form/1"));
+}
+
+/// A choice with this candidate recommended and these rated, in their order.
+fn choice(recommended: Option<&str>, because: &str, rated: &[&str]) -> RecommendationV1 {
+    let of_id = |id: &&str| RatedCandidateV1 { id: (*id).to_owned(), adequate: true, ..RatedCandidateV1::default() };
+    RecommendationV1 {
+        recommended: recommended.map(str::to_owned),
+        recommended_because: because.to_owned(),
+        candidates: rated.iter().map(of_id).collect(),
+        ..RecommendationV1::default()
+    }
+}
+
+/// The first candidate recommended where nobody chose.
+fn ranking(run: &Run) -> Ranking {
+    let ranking = Ranking::of_run(run);
+    Ranking { best: ranking.best.clone().or_else(|| ranking.order.first().cloned()), ..ranking }
 }
 
 /// A run of one pulse, channel 93, with a displacement and a force.
@@ -97,13 +112,13 @@ fn crash() -> Run {
 /// The page.
 fn page(run: &Run) -> String {
     let mut bytes = Vec::new();
-    Page::new(run, &Ranking::of_candidates(&run.candidates)).write_to(&mut bytes).unwrap();
+    Page::new(run, &ranking(run)).write_to(&mut bytes).unwrap();
     String::from_utf8(bytes).unwrap()
 }
 
 /// The figures of the run by id.
 fn figures(run: &Run) -> BTreeMap<&'static str, Figure> {
-    let figures = all_figures(run, &Ranking::of_candidates(&run.candidates));
+    let figures = all_figures(run, &ranking(run));
     figures.into_iter().map(|figure| (figure.id, figure)).collect()
 }
 
@@ -133,8 +148,7 @@ fn the_card_of_the_best_says_what_the_record_does_not_determine() {
     open.record.uncertainty.as_mut().unwrap().standard_deviation.remove("k_n_per_m");
     assert_eq!((open_of(&open), open.certainties().open.join(" ")), ((2, 3), "k_n_per_m x_m".to_owned()));
     run.candidates.push(best);
-    let ranking = Ranking::of_candidates(&run.candidates);
-    let json: serde_json::Value = serde_json::from_str(&summary(&run, &ranking).to_json().unwrap()).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&summary(&run, &ranking(&run)).to_json().unwrap()).unwrap();
     assert_eq!(
         (&json["best"], &json["best_undetermined"]),
         (&"kelvin/direct-fit/1".into(), &serde_json::json!(["x_m"]))
@@ -143,7 +157,7 @@ fn the_card_of_the_best_says_what_the_record_does_not_determine() {
     // Zero on a bound is an answer, a mass that is stated was not asked of the record.
     assert!(page.contains("2 of 3 parameters determined, 1 open."), "{page}");
     assert!(page.contains("(physical limit)") && !page.contains(">on a bound<"));
-    assert!(page.contains("other than zero, the physical limit"));
+    assert!(page.contains("In the order of the choice"));
     assert!(page.contains("± is one standard deviation"));
 }
 
@@ -271,22 +285,23 @@ fn a_chain_of_the_users_own_is_shown_at_first() {
 }
 
 #[test]
-fn of_sets_of_one_model_that_fit_alike_the_first_is_shown_and_those_on_bounds_wait() {
+fn of_sets_with_one_curve_the_first_is_shown_beside_the_recommended() {
     let mut run = crash();
-    let mut add = |id: &str, fit_percent: f64, on_bound: bool| {
+    let ids = [
+        "triple-spring-mass-damper/direct-fit/1",
+        "triple-spring-mass-damper/direct-fit/2",
+        "maxwell/direct-fit/1",
+        "nonlinear-1/direct-fit/1",
+        "kelvin/closed-form/1",
+    ];
+    for (id, (fit_percent, slope)) in
+        ids.iter().zip([(99.0704, 9.0), (99.0697, 9.0), (98.6, 9.2), (99.5, 9.5), (97.4, 9.7)])
+    {
         let mut candidate = candidate(id, &[("k_n_per_m", 1e9)], fit_percent);
-        candidate.record.fit = Some(fit(if on_bound { &["k_n_per_m"] } else { &[] }, vec![]));
+        candidate.displacement = Some(ramp(slope));
         run.candidates.push(candidate);
-    };
-    for (k, fit_percent) in [99.0704, 99.0697, 99.0698].into_iter().enumerate() {
-        add(&format!("triple-spring-mass-damper/direct-fit/{}", k + 1), fit_percent, false);
     }
-    add("nonlinear-1/direct-fit/1", 99.5, true);
-    add("nonlinear-2/direct-fit/1", 99.4, true);
-    add("maxwell/direct-fit/1", 98.6, false);
-    add("kelvin/closed-form/1", 97.4, false);
-    add("kelvin/direct-fit/1", 97.8, false);
-    add("elastoplastic/closed-form/1", 30.0, false);
+    run.recommendation = Some(choice(Some(ids[0]), "", &ids));
     let models = |shown: bool| -> Vec<String> {
         let names = legend(&run, "residual");
         names.into_iter().filter(|(_, is_shown)| *is_shown == shown).map(|(name, _)| name).collect()
@@ -298,12 +313,8 @@ fn of_sets_of_one_model_that_fit_alike_the_first_is_shown_and_those_on_bounds_wa
     for hidden in ["Triple spring-mass-damper, direct fit 2 (99.070 %)", "Nonlinear 1, direct fit 1 (99.50 %)"] {
         assert!(models(false).iter().any(|name| name == hidden), "{hidden}");
     }
-    // With a recommendation the closest is shown beside the recommended.
-    run.recommendation = Some(record(serde_json::json!({
-        "recommended": "triple-spring-mass-damper/direct-fit/1", "recommended_because": "", "simplest": null,
-        "simplest_because": "", "closest": "nonlinear-1/direct-fit/1", "closest_because": "", "evidence": null,
-        "priors": [], "candidates": []
-    })));
+    // The closest is shown beside the recommended.
+    run.recommendation.as_mut().unwrap().closest = Some(ids[3].to_owned());
     let names = legend(&run, "curves");
     assert!(names["closest: Nonlinear 1, direct fit 1 (99.50 %)"] && !names["Maxwell, direct fit 1 (98.60 %)"]);
     let looks: Vec<_> = figures(&run)["residual"].legend.iter().map(|e| format!("{:?}", e.look)).collect();
@@ -337,8 +348,9 @@ fn the_best_and_the_sensors_it_was_compared_with_are_shown_over_the_pulse() {
     run.candidates.push(best);
     let with = legend(&run, "sensors");
     assert!(with["compartment of Kelvin, closed form 1"] && with["sensor 94"] && !with["sensor 96"]);
-    run.candidates[0].record.physical = false;
-    assert!(!legend(&run, "sensors").contains_key("compartment of Kelvin, closed form 1"), "no best");
+    let figures = all_figures(&run, &Ranking::of_run(&run));
+    let sensors = figures.iter().find(|figure| figure.id == "sensors").unwrap();
+    assert!(sensors.legend.iter().all(|entry| entry.name != "compartment of Kelvin, closed form 1"), "no best");
 }
 
 #[test]
@@ -354,8 +366,7 @@ fn an_interval_over_more_than_a_decade_is_wide_in_every_place_alike() {
     });
     let certainties = best.certainties();
     assert_eq!((certainties.order_of_magnitude.join(" "), certainties.determined), ("c_n_s_per_m".to_owned(), 1));
-    // What picks the best does not look at it.
-    assert_eq!((certainties.open.len(), best.left_open()), (0, 0));
+    assert_eq!(certainties.open.len(), 0);
     let mut also_open = best.clone();
     also_open.record.uncertainty.as_mut().unwrap().standard_deviation.insert("k_n_per_m".to_owned(), 4e5);
     assert_eq!(
@@ -370,7 +381,7 @@ fn an_interval_over_more_than_a_decade_is_wide_in_every_place_alike() {
         page.contains(&format!("<span title=\"{words}\">1 of 2</span>").replace("<span ", "<span tabindex=\"0\" "))
     );
     assert!(page.contains("<span class=\"no\">wide interval</span>; 95\u{a0}%: 0.0170 to 180000"), "{page}");
-    let text = summary(&run, &Ranking::of_candidates(&run.candidates)).to_json().unwrap();
+    let text = summary(&run, &ranking(&run)).to_json().unwrap();
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(json["best_undetermined"], serde_json::json!([]));
     assert_eq!(json["best_hardly_determined"], serde_json::json!(["c_n_s_per_m"]));
@@ -433,7 +444,7 @@ fn criteria_of_occupants_stand_open_with_their_place_and_in_the_summary() {
     assert!(open.contains("driver, head (1+2)") && open.contains("(lower bound)") && !open.contains("390"), "{open}");
     assert!(!folded.split("</details>").next().unwrap().contains("hic15"));
     let json: serde_json::Value =
-        serde_json::from_str(&summary(&run, &Ranking::of_candidates(&[])).to_json().unwrap()).unwrap();
+        serde_json::from_str(&summary(&run, &Ranking::of_run(&run)).to_json().unwrap()).unwrap();
     let other = &json["other_metrics"][0];
     assert_eq!((&other["name"], &other["channel"]), (&"hic15".into(), &"1+2".into()));
     assert_eq!((&other["location"], &other["value"]), (&"driver, head".into(), &412.0.into()));

@@ -26,6 +26,14 @@ impl Distribution {
             Self::Uniform => "uniform",
         }
     }
+
+    /// Largest error that is drawn, in units of its size. One normal deviate in 5e8 is larger, and cut to it.
+    pub const fn largest(self) -> f64 {
+        match self {
+            Self::Normal => 6.0,
+            Self::Uniform => 1.0,
+        }
+    }
 }
 
 /// How far an input may be off: the error has mean 0 and is independent of the errors of other inputs.

@@ -13,7 +13,7 @@ use crate::{
 use crumple_lumped::{LumpedError, Model, ModelKind};
 use crumple_lumped_fit::{FitQuantity, MeasuredTest, Observation, ObservedWave, WallForce, evaluate};
 use crumple_signal::{About, Acceleration, Displacement, Sampled, TestDescription, Velocity, Weight};
-use crumple_stage::records::{CandidateV1, EvaluationV1, EventsV1, TestV1};
+use crumple_stage::records::{CandidateV1, EvaluationV1, EventsV1};
 use crumple_stage::{
     Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Usage, Wave, option, total_mass_remark,
 };
@@ -102,7 +102,7 @@ impl Stage for Simulate {
             })
             .collect::<anyhow::Result<_>>()?;
 
-        out.put("/test", &TestV1::from(&test))?;
+        out.put("/test", &input.test_with_samples(&test))?;
         let comparison = ComparisonWithTest {
             displacement: &displacement,
             others: other_sensors(input, &test, channel)?,

@@ -1,8 +1,7 @@
 //! Simulation against records whose model is known.
 
 use crumple_lumped::{DoubleSpringMassDamper, Elastoplastic, Kelvin, Model};
-use crumple_lumped_fit::Measurement;
-use crumple_signal::Sampled;
+use crumple_signal::{Measurement, Sampled};
 use crumple_simulate::{Measured, OtherSensor, SimulateError, Window, beside, simulate};
 
 const DT: f64 = 1e-4;

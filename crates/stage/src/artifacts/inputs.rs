@@ -206,11 +206,6 @@ impl Inputs {
         Ok(())
     }
 
-    /// The test description, from the latest stage that carries it.
-    pub fn test(&self) -> anyhow::Result<TestDescription> {
-        TestDescription::try_from(self.record::<TestV1>("/test")?).refuse_with_hint("see docs/format.md, type Test")
-    }
-
     /// The record under a topic. Refuses when it is missing, and says which stage writes it.
     pub fn record<R: Record>(&self, topic: &str) -> anyhow::Result<R> {
         self.record_if(topic)?.ok_or_else(|| self.missing(topic))

@@ -9,8 +9,6 @@ use crate::findings::{Model, Run, words_and_unit};
 use crate::phrases::words::fill;
 use crumple_artifact::records::TransferFunctionV1;
 
-use super::simulated::order;
-
 const POINTS: usize = 400;
 
 /// Magnitude and phase of one model, with the words of its ends and its band.
@@ -50,7 +48,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
     let mut phase = Panel::new(axis(), Axis::new(texts.phase));
     // The names of the modes of all models would cover each other.
     let is_drawn = |id: &String| models.iter().any(|(model, _)| model.id == *id);
-    let marked = order(run).into_iter().map(|place| &run.models[place].id).find(|id| is_drawn(id));
+    let marked = run.model_order().into_iter().map(|place| &run.models[place].id).find(|id| is_drawn(id));
     for (place, (model, curve)) in models.iter().enumerate() {
         let entry = figure.entry(&model.id, Look::of_series(place), true);
         for (panel, line, edges) in [

@@ -28,32 +28,19 @@ fn channels(run: &Run) -> Vec<&str> {
     all
 }
 
-/// Models in the order of being shown: the recommended first, then those that hold, then by the fit that counts.
-pub fn order(run: &Run) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..run.models.len()).collect();
-    let counts = |model: &Model| model.unseen_fit_percent().or(model.fit_percent()).unwrap_or(f64::NEG_INFINITY);
-    order.sort_by(|a, b| {
-        let (a, b) = (&run.models[*a], &run.models[*b]);
-        let is_recommended = |model: &Model| run.is_recommended(&model.id);
-        let by_fit = b.holds().cmp(&a.holds()).then(counts(b).total_cmp(&counts(a)));
-        is_recommended(b).cmp(&is_recommended(a)).then(by_fit)
-    });
-    order
-}
-
 /// Measured over simulated; `None` where no output of a model is in the artifacts.
 pub fn compare(run: &Run) -> Option<Figure> {
     let channels = channels(run);
     let texts = &PHRASES.identification;
     let mut figure = Figure::new("compare", texts.compare);
     let test = figure.entry(texts.measured, Look::line(Colour::Test, Dash::Solid).width(Width::Thick), true);
-    let order = order(run);
+    let order = run.model_order();
     let entries: Vec<usize> = run
         .models
         .iter()
         .enumerate()
         .map(|(place, model)| {
-            let shown = order.iter().take(SHOWN).any(|k| *k == place);
+            let shown = order.iter().take(SHOWN).any(|k| *k == place) || run.is_recommended(&model.id);
             figure.entry(legend(model), Look::of_series(place), shown)
         })
         .collect();
@@ -153,13 +140,13 @@ pub fn errors(run: &Run) -> Option<Figure> {
     let texts = &PHRASES.identification;
     let mut figure = Figure::new("errors", texts.errors);
     let limits = figure.entry(texts.limits_of_white, Look::area(Colour::Test), true);
-    let order = order(run);
+    let order = run.model_order();
     let entries: Vec<usize> = run
         .models
         .iter()
         .enumerate()
         .map(|(place, model)| {
-            let shown = order.iter().take(SHOWN).any(|k| *k == place);
+            let shown = order.iter().take(SHOWN).any(|k| *k == place) || run.is_recommended(&model.id);
             figure.entry(&model.id, Look::of_series(place), shown)
         })
         .collect();

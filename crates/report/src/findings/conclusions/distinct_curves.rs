@@ -27,13 +27,12 @@ pub struct DistinctCurve {
     pub same_curve: Vec<String>,
 }
 
-/// All candidates by the curves they answer with: that of the recommended first, then as the recommendation orders
-/// them, then by rank. A candidate without a response stands alone.
+/// All candidates by the curves they answer with: that of the recommended first, then by rank. A candidate without a
+/// response stands alone.
 pub fn distinct_curves(run: &Run, ranking: &Ranking) -> Vec<DistinctCurve> {
     let stands_for = pairs_of_equals(&run.candidates);
-    let rated = run.recommendation.as_ref().map(|choice| choice.candidates.as_slice()).unwrap_or_default();
     let misfit = |index: usize| {
-        let rated = rated.iter().find(|rated| rated.id == run.candidates[index].id)?;
+        let rated = run.rated(&run.candidates[index].id)?;
         Some(rated.aicc? - 2.0 * f64::from(rated.parameters))
     };
     let told_apart = |a: usize, b: usize| misfit(a).zip(misfit(b)).is_some_and(|(a, b)| (a - b).abs() > TOLD_APART);
@@ -51,8 +50,7 @@ pub fn distinct_curves(run: &Run, ranking: &Ranking) -> Vec<DistinctCurve> {
     }
     let place = |index: usize| {
         let id = &run.candidates[index].id;
-        let place = rated.iter().position(|rated| rated.id == *id).unwrap_or(usize::MAX);
-        (ranking.best.as_ref() != Some(id), place, ranking.place(id).unwrap_or(usize::MAX))
+        (ranking.best.as_ref() != Some(id), ranking.place(id))
     };
     groups.sort_by_key(|group| group.iter().map(|index| place(*index)).min());
     let of_group = |group: Vec<usize>| {
@@ -68,7 +66,7 @@ pub fn distinct_curves(run: &Run, ranking: &Ranking) -> Vec<DistinctCurve> {
 }
 
 /// Whether two responses are the same over the window that was compared.
-fn same_curve(a: &CandidateResult, b: &CandidateResult) -> bool {
+pub fn same_curve(a: &CandidateResult, b: &CandidateResult) -> bool {
     let (Some(first), Some(second)) = (&a.simulation, &b.simulation) else { return false };
     let window = (first.from_s.min(second.from_s), first.to_s.max(second.to_s));
     let restitutions = first.coefficient_of_restitution.zip(second.coefficient_of_restitution);

@@ -10,7 +10,6 @@ use serde::{Deserialize, Serialize};
 use crate::findings::conclusions::concerns::decisive_warning;
 use crate::findings::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::findings::conclusions::kind::{Kind, lacks_mass_or_speed};
-use crate::findings::results::ranking::WORTH_NAMING_PERCENT;
 use crate::findings::{CandidateResult, Model, Ranking, Run};
 
 /// Largest half width of the interval of a predicted crush of which nothing has to be said, percent of the crush.
@@ -185,6 +184,9 @@ pub fn status_reason(run: &Run, ranking: &Ranking, kind: Kind, concerns: &[Conce
     }
 }
 
+/// An identified model that follows less of its record than this, percent, describes none.
+const HALF_PERCENT: f64 = 50.0;
+
 /// Returns the reason when not even the closest identified model has a fit, follows half of the record, or holds on
 /// unseen samples.
 fn of_identified(run: &Run) -> Option<StatusReason> {
@@ -195,21 +197,14 @@ fn of_identified(run: &Run) -> Option<StatusReason> {
     if !model.holds() {
         return Some(StatusReason::NotAdequate);
     }
-    let limit_percent = WORTH_NAMING_PERCENT;
+    let limit_percent = HALF_PERCENT;
     (fit_percent < limit_percent).then_some(StatusReason::PoorFit { fit_percent, limit_percent })
 }
 
-/// The identified model to speak of: one that holds on unseen samples before others, then the one that the comparison
-/// of the models recommends, then that with the highest fit, of unseen samples where some were kept. Its place, itself,
-/// the fit in percent.
+/// The identified model to speak of, see [`Run::model_order`]: its place, itself, the fit in percent.
 pub(crate) fn closest_identified(run: &Run) -> Option<(usize, &Model, f64)> {
-    let fitted = run.models.iter().enumerate().filter_map(|(k, model)| Some((k, model, model.fit_percent()?)));
-    fitted.max_by(|(a, x, x_fit), (b, y, y_fit)| {
-        let unseen = |model: &Model, fit: f64| model.unseen_fit_percent().unwrap_or(fit);
-        let by_fit = unseen(x, *x_fit).total_cmp(&unseen(y, *y_fit));
-        let is_recommended = |model: &Model| model.holds() && run.is_recommended(&model.id);
-        x.holds().cmp(&y.holds()).then(is_recommended(x).cmp(&is_recommended(y))).then(by_fit).then(b.cmp(a))
-    })
+    let models = run.model_order().into_iter().map(|k| (k, &run.models[k]));
+    models.into_iter().find_map(|(k, model)| Some((k, model, model.fit_percent()?)))
 }
 
 /// The reason of the status of a crash whose models were asked for.
@@ -247,8 +242,7 @@ fn of_models(run: &Run, ranking: &Ranking, kind: Kind) -> StatusReason {
 
 /// Returns the reason when the recommended model is right in its crush alone.
 fn misses_its_test(run: &Run, best: &CandidateResult) -> Option<StatusReason> {
-    let mut rated = run.recommendation.iter().flat_map(|choice| &choice.candidates);
-    let events = rated.find(|rated| rated.id == best.id && !rated.adequate)?.missed_events.clone();
+    let events = run.rated(&best.id).filter(|rated| !rated.adequate)?.missed_events.clone();
     (!events.is_empty()).then_some(StatusReason::MissesItsTest { events })
 }
 
@@ -258,7 +252,12 @@ pub(crate) fn beside(run: &Run) -> Option<StatusReason> {
     let candidate = choice.beside.clone()?;
     match choice.strength? {
         StrengthV1::Weak => Some(StatusReason::Weak { candidate }),
-        StrengthV1::Contrary => Some(StatusReason::Contrary { candidate }),
+        // Said of two misfits that were computed alone.
+        StrengthV1::Contrary => {
+            let misfit = |id: &str| run.rated(id)?.misfit.filter(|misfit| misfit.is_finite());
+            let (other, own) = misfit(&candidate).zip(misfit(choice.recommended.as_deref()?))?;
+            (other < own).then_some(StatusReason::Contrary { candidate })
+        }
         StrengthV1::Decisive => None,
     }
 }

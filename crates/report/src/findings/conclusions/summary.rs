@@ -251,12 +251,12 @@ pub fn summary(run: &Run, ranking: &Ranking) -> Summary {
         closest: choice.and_then(|choice| choice.closest.clone()),
         closest_because: choice.map(|choice| choice.closest_because.clone()),
         best: ranking.best.clone(),
-        no_best: ranking.no_best.clone(),
+        no_best: ranking.no_best().map(str::to_owned),
         best_undetermined: best.map_or_else(Vec::new, |best| owned(best.record.undetermined())),
         best_hardly_determined: best.map_or_else(Vec::new, |best| best.certainties().order_of_magnitude),
         ranking: ranking.order.clone(),
-        ranked_by: "simulation.fit_as_measured_percent: displacement fit of the model, measured as the record was, \
-                    over simulation.from_s to simulation.to_s, highest first; fit_percent where it is null"
+        ranked_by: "the choice: adequate candidates first, then by difference_with_priors, each with its dual behind \
+                    it; those that were not rated by the displacement fit, highest first"
             .to_owned(),
         ranking_by_aicc: choice.map_or_else(Vec::new, |choice| {
             choice.candidates.iter().filter(|rated| rated.aicc.is_some()).map(|rated| rated.id.clone()).collect()
@@ -278,7 +278,7 @@ pub fn summary(run: &Run, ranking: &Ranking) -> Summary {
 
 fn candidate_summary(run: &Run, candidate: &CandidateResult) -> CandidateSummary {
     let record = candidate.record.clone();
-    let rated = run.recommendation.iter().flat_map(|choice| &choice.candidates).find(|rated| rated.id == candidate.id);
+    let rated = run.rated(&candidate.id);
     CandidateSummary {
         aicc: rated.and_then(|rated| rated.aicc),
         difference_with_priors: rated.and_then(|rated| rated.difference_with_priors),

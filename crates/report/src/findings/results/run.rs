@@ -4,8 +4,8 @@ use crate::phrases::PHRASES;
 use crate::phrases::words::fill;
 use crumple_artifact::records::{
     CandidateV1, Certainty, ChannelFilterV1, ConcernV1, Doubt, EventsV1, EvidenceV1, IdentificationV1, ImpactV1,
-    MatchingV1, MetricV1, ModeV1, OtherPoleKindV1, OtherPoleV1, PredictionV1, RecommendationV1, ResponseV1,
-    SelectionV1, SimulationV1, StabilizationV1, StateSpaceV1, TransferFunctionV1,
+    MatchingV1, MetricV1, ModeV1, OtherPoleKindV1, OtherPoleV1, PredictionV1, RatedCandidateV1, RecommendationV1,
+    ResponseV1, SelectionV1, SimulationV1, StabilizationV1, StateSpaceV1, TransferFunctionV1,
 };
 use crumple_lumped::{ParameterKind, parameter_kind};
 use crumple_signal::{Axis, Channel, Note, Sampled, TestDescription};
@@ -150,6 +150,21 @@ impl Run {
         let is_ambient = |model: &Model| model.identification.as_ref().is_some_and(|i| i.treated_as == AMBIENT);
         let diagram = self.stabilizations.iter().find(|diagram| diagram.method == AMBIENT);
         diagram.filter(|_| self.models.iter().all(is_ambient))
+    }
+
+    /// Places of the identified models in the order that they are named and shown in: those that hold on unseen samples
+    /// first, then by their fit, of unseen samples where some were kept. Where none were, the ones that the comparison
+    /// of the models recommends stand first among those that hold.
+    pub fn model_order(&self) -> Vec<usize> {
+        let has_unseen = self.models.iter().any(|model| model.unseen_fit_percent().is_some());
+        let is_chosen = |model: &Model| !has_unseen && model.holds() && self.is_recommended(&model.id);
+        let fit = |model: &Model| model.unseen_fit_percent().or(model.fit_percent()).unwrap_or(f64::NEG_INFINITY);
+        let mut order: Vec<usize> = (0..self.models.len()).collect();
+        order.sort_by(|a, b| {
+            let (a, b) = (&self.models[*a], &self.models[*b]);
+            (b.holds(), is_chosen(b)).cmp(&(a.holds(), is_chosen(a))).then(fit(b).total_cmp(&fit(a)))
+        });
+        order
     }
 
     /// Whether the comparison of the models of an output recommends the identified model of this id.
@@ -300,15 +315,6 @@ impl CandidateResult {
         let parameters = self.record.asked().count();
         let determined = parameters.saturating_sub(open.len() + order_of_magnitude.len());
         IdentifiabilityCounts { parameters, determined, order_of_magnitude, open }
-    }
-
-    /// Parameters that may be anything as far as is known: those that the record does not determine, and all of a
-    /// candidate of which nobody says how well it is known. A chain that a person stated was not asked of the record
-    /// and leaves none open.
-    pub fn left_open(&self) -> usize {
-        let stated = self.is_chain() && self.record.fit.is_none();
-        let open = || self.record.undetermined().len();
-        if self.record.uncertainty.is_none() && !stated { self.record.parameters.len() } else { open() }
     }
 }
 
@@ -471,6 +477,11 @@ impl Run {
     /// The candidate of this id.
     pub fn candidate(&self, id: &str) -> Option<&CandidateResult> {
         self.candidates.iter().find(|candidate| candidate.id == id)
+    }
+
+    /// What the choice says of a candidate, where it was among them.
+    pub fn rated(&self, id: &str) -> Option<&RatedCandidateV1> {
+        self.recommendation.as_ref()?.candidates.iter().find(|rated| rated.id == id)
     }
 
     /// Whether a stage has said that it has no acceptable result and no reason why that is one.

@@ -84,7 +84,7 @@ fn row(out: &mut String, run: &Run, ranking: &Ranking, curve: &DistinctCurve, sp
     let Some(candidate) = run.candidate(&curve.id) else { return };
     let texts = &PHRASES.candidates;
     let best = ranking.best.as_deref() == Some(&candidate.id);
-    let rated = run.recommendation.iter().flat_map(|choice| &choice.candidates).find(|rated| rated.id == candidate.id);
+    let rated = run.rated(&candidate.id);
     let simulation = candidate.simulation.as_ref();
     let number = |value: Option<f64>, text: &dyn Fn(f64) -> String| value.map_or_else(|| ABSENT.to_owned(), text);
     let certainties = candidate.certainties();

@@ -47,11 +47,8 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         ];
         out.push_str(&format!("<p class=\"caption\">{}</p>\n", fill(texts.matching_supported, &filled)));
     }
-    let ranked = match ranking.best {
-        _ if run.recommendation.is_some() => texts.ranked_recommended,
-        Some(_) => texts.ranked_best,
-        None => texts.ranked_none,
-    };
+    let is_recommended = ranking.best.is_some();
+    let ranked = if is_recommended { texts.ranked_recommended } else { texts.ranked_by_fit };
     let has_intervals = run.candidates.iter().any(|candidate| candidate.record.uncertainty.is_some());
     for caption in std::iter::once(ranked).chain(has_intervals.then_some(texts.intervals_caption)) {
         out.push_str(&format!("<p class=\"caption\">{caption}</p>\n"));

@@ -54,10 +54,8 @@ fn shown<'a>(run: &'a Run, ranking: &Ranking) -> Vec<(&'static str, &'a Candidat
     let texts = &PHRASES.model;
     let recommended = ranking.best.as_deref();
     let closest = run.recommendation.as_ref().and_then(|choice| choice.closest.as_deref());
-    let closest = closest.or_else(|| match recommended {
-        Some(_) => ranking.order.first().map(String::as_str),
-        None => ranking.leading(run).map(|candidate| candidate.id.as_str()),
-    });
+    let leading = || ranking.leading(run).filter(|_| recommended.is_none()).map(|candidate| candidate.id.as_str());
+    let closest = closest.or_else(leading);
     let names = match (recommended, closest) {
         (Some(a), Some(b)) if a == b => vec![(texts.recommended_and_closest, a)],
         (Some(a), Some(b)) => vec![(texts.recommended, a), (texts.closest, b)],

@@ -9,7 +9,9 @@ mod models;
 
 use std::path::{Path, PathBuf};
 
-use crumple_artifact::records::{NotesV1, SimulationV1, TestV1, TransferFunctionV1};
+use crumple_artifact::records::{
+    NotesV1, RatedCandidateV1, RecommendationV1, SimulationV1, TestV1, TransferFunctionV1,
+};
 use crumple_artifact::{ArtifactBuilder, Compression, InputDigest, Provenance};
 use crumple_signal::QuantityKind;
 
@@ -134,7 +136,35 @@ pub fn write_with_longer_crush(folder: &Path, simulated: bool, more_m: f64) -> V
             simulate.builder.wave(&id, quantity, wave(0, AFTER, |t| response.at(t)[index])).unwrap();
         }
     }
+    if simulated {
+        solve.builder.put("/recommendation", &recommendation()).unwrap();
+    }
     paths.push(solve.write(folder));
     paths.push(simulate.write(folder));
     paths
+}
+
+/// The double model before the Kelvin model with a negative damper, which fits better.
+fn recommendation() -> RecommendationV1 {
+    let rated = |id: &str, adequate: bool, difference: f64| RatedCandidateV1 {
+        id: id.to_owned(),
+        class: "damped".to_owned(),
+        adequate,
+        parameters: 4,
+        determined: 4,
+        aicc: Some(100.0 + difference),
+        aicc_difference: Some(difference),
+        difference_with_priors: Some(difference),
+        ..RatedCandidateV1::default()
+    };
+    let double = "double-spring-mass-damper/displacement-fit/1";
+    RecommendationV1 {
+        recommended: Some(double.to_owned()),
+        recommended_because: "the lowest criterion of the adequate".to_owned(),
+        simplest_because: "none has all numbers determined".to_owned(),
+        closest: Some(double.to_owned()),
+        closest_because: "the lowest misfit of the adequate".to_owned(),
+        candidates: vec![rated(double, true, 0.0), rated("kelvin/coefficient-matching/1", false, 3.0)],
+        ..RecommendationV1::default()
+    }
 }

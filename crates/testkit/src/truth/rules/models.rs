@@ -160,7 +160,7 @@ pub const RULES: &[Rule] = &[
     rule("model.closest_alone", &[], |_, spot| {
         holds(spot.made.recommended().is_none(), || "a model is recommended".to_owned())
     }),
-    rule("remarks.by_fit_alone", &[], |_, spot| {
+    rule("remarks.no_choice", &[], |_, spot| {
         holds(spot.made.choice.is_none(), || "there is a recommendation".to_owned())
     }),
     rule("remarks.no_raw", &[], |_, spot| {
@@ -171,9 +171,6 @@ pub const RULES: &[Rule] = &[
     rule("remarks.no_filtered", &[], |_, spot| {
         let filtered = spot.made.records.iter().any(|(topic, _)| topic.starts_with("/filter"));
         holds(!filtered, || "it was filtered".to_owned())
-    }),
-    rule("remarks.other_axis", &[("channel", Words), ("axis", Words)], |_, spot| {
-        holds(spot.made.known.subject == Subject::OtherAxis, || "the pulse is along x".to_owned())
     }),
     rule("remarks.no_displacement", &[], |_, spot| is_missing(spot, "/displacement")),
     rule("remarks.no_crash", &[], |_, spot| {
@@ -213,9 +210,6 @@ pub const RULES: &[Rule] = &[
     rule("remarks.no_responses", &[], |_, spot| {
         let simulated = spot.made.list("/candidates").iter().any(|candidate| !candidate["simulation"].is_null());
         holds(!simulated, || "candidates were simulated".to_owned())
-    }),
-    rule("remarks.no_end_of_crush", &[], |_, spot| {
-        holds(spot.made.number("/events/dynamic_crush_m").is_none(), || "it stopped".to_owned())
     }),
     rule("numbers.velocity_never_zero", &[], |_, spot| {
         holds(spot.made.number("/events/dynamic_crush_m").is_none(), || "it stopped".to_owned())

@@ -1,9 +1,7 @@
 //! Filters, models and real records among the cases of metrics.
 
 use crumple_lumped::{CoefficientMatching, Kelvin, MatchedSolution, Reading};
-use crumple_lumped_fit::{
-    KelvinBranch, MaxwellExponents, elastoplastic_from_events, kelvin_from_events, maxwell_from_exponents,
-};
+use crumple_lumped_fit::{KelvinBranch, MaxwellExponents, elastoplastic_from_events, kelvin_from_events};
 use crumple_metrics::{ThresholdRule, peak, time_zero_by_threshold, time_zero_by_velocity_change};
 use crumple_numerics::lti::{Complex, Mode};
 use crumple_signal::{
@@ -137,7 +135,7 @@ pub fn maxwell(check: &mut Check<'_>) {
         }
         other => panic!("branch {other}"),
     };
-    let found = maxwell_from_exponents(mass_kg, exponents).unwrap();
+    let found = exponents.model(mass_kg).unwrap();
     check.close("k_N_per_m", found.stiffness_n_per_m);
     check.close("c_Ns_per_m", found.damping_n_s_per_m);
 }

@@ -3,7 +3,6 @@
 use crumple_lumped::{Elastoplastic, Kelvin, Maxwell, Model, Nonlinear1, Nonlinear2};
 use crumple_lumped_fit::{
     KelvinBranch, MaxwellExponents, centroid_to_crush_time_ratio, elastoplastic_from_events, kelvin_from_events,
-    maxwell_constants,
 };
 use crumple_numerics::linalg::jacobi_svd;
 use crumple_numerics::lti::{
@@ -236,7 +235,7 @@ fn maxwell_printed(i: &Inputs<'_>) -> Result<Value, String> {
     } else {
         MaxwellExponents::Complex { a_per_s: a, b_rad_per_s: b }
     };
-    let (k, c) = maxwell_constants(i.n("m")?, exponents);
+    let (k, c) = exponents.constants(i.n("m")?);
     Ok(json!({ "k": k, "c": c }))
 }
 
