@@ -318,9 +318,7 @@ impl Fit {
             sensors: sensors.into_iter().zip(rmse).zip(&observed.waves).map(sensor).collect(),
         }
     }
-}
 
-impl Fit {
     /// The remark on the root mean square error of each sensor, which sit on these places in their order.
     pub fn errors_remark(&self, places: impl IntoIterator<Item = SensorPlace>) -> String {
         let errors = self.sensors.iter().zip(places);

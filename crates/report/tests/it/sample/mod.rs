@@ -162,8 +162,8 @@ fn recommendation() -> RecommendationV1 {
         recommended: Some(double.to_owned()),
         recommended_because: "the lowest criterion of the adequate".to_owned(),
         simplest_because: "none has all numbers determined".to_owned(),
-        closest: Some(double.to_owned()),
-        closest_because: "the lowest misfit of the adequate".to_owned(),
+        closest: Some("kelvin/coefficient-matching/1".to_owned()),
+        closest_because: "the lowest misfit".to_owned(),
         candidates: vec![rated(double, true, 0.0), rated("kelvin/coefficient-matching/1", false, 3.0)],
         ..RecommendationV1::default()
     }
