@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crumple_artifact::Artifact;
-use crumple_artifact::records::{CandidateV1, RecommendationV1};
+use crumple_artifact::records::{CandidateV1, RatedCandidateV1, RecommendationV1};
 use crumple_lumped::{Element, Model, Node};
 
 use crate::error::CurveError;
@@ -24,6 +24,10 @@ pub struct StaticCurve {
     pub between: String,
     /// Deflection, m, rising from zero, and force, N; linear between.
     pub points: Vec<(f64, f64)>,
+    /// 95 % interval of the force of each point, N; empty where the candidate states none.
+    pub intervals: Vec<(f64, f64)>,
+    /// Largest deflection in the test, m: beyond it the curve is a trend.
+    pub tested_m: Option<f64>,
     /// Stiffness of the straight line down from the curve, N/m; `None`: it unloads along the curve.
     pub unloading_n_per_m: Option<f64>,
     /// Loading forces grow by this share for each m/s, s/m.
@@ -57,15 +61,22 @@ pub fn static_curves(
     let record = artifact
         .record::<CandidateV1>(&format!("/parameters/{id}"))?
         .ok_or_else(|| CurveError::NoCandidate { id: id.clone(), candidates: ids(artifact) })?;
-    let tested = Model::read(&record.model, &record.parameters)?.structure()?;
+    let model = Model::read(&record.model, &record.parameters)?;
+    let choice = artifact.record::<RecommendationV1>("/recommendation")?;
+    let rated = choice.iter().flat_map(|choice| &choice.candidates).find(|rated| rated.id == id);
+    let ends = ends_of_numbers(&record, rated);
+    let tested = model.structure()?;
     let structure = tested.clone().with_trends_beyond();
     let mut needs_end = false;
     let mut curves = Vec::new();
-    for (k, (connection, tested)) in structure.connections().iter().zip(tested.connections()).enumerate() {
+    let elements = structure.connections().iter().zip(tested.connections().iter().map(|tested| &tested.element));
+    for (k, (connection, tested)) in elements.enumerate() {
         let bare = |points: Vec<(f64, f64)>| StaticCurve {
             candidate: id.clone(),
             element: k + 1,
             between: between(connection.front, connection.rear),
+            intervals: intervals(&model, &ends, (k, &connection.element), &points),
+            tested_m: Some(last_knot_m(tested)).filter(|last| *last > 0.0).or(crush_m),
             points,
             unloading_n_per_m: None,
             rate_s_per_m: 0.0,
@@ -73,7 +84,7 @@ pub fn static_curves(
         };
         let curve = match (&connection.element, to_m.or(crush_m)) {
             (Element::ForceDeflection(element), _) => {
-                let end_m = to_m.unwrap_or(0.0).max(last_knot_m(&tested.element));
+                let end_m = to_m.unwrap_or(0.0).max(last_knot_m(tested));
                 let knots = element.knots().iter().map(|knot| knot.0);
                 let ends = knots.filter(|d| *d < end_m).chain([end_m]);
                 StaticCurve {
@@ -104,6 +115,60 @@ pub fn static_curves(
         (false, _) => Ok(curves),
         (true, true) => Err(CurveError::NoEnd { id }),
         (true, false) => Err(CurveError::NoStaticForce { id, model: record.model }),
+    }
+}
+
+/// Half width of a 95 % interval of a normal distribution, in standard deviations.
+const HALF_WIDTH_95: f64 = 1.96;
+
+/// The ends of the 95 % interval of each number: beside what no lumped model describes, where the choice says it, else
+/// by the noise alone.
+fn ends_of_numbers(record: &CandidateV1, rated: Option<&RatedCandidateV1>) -> Vec<(String, [f64; 2])> {
+    let of_choice = rated.map(|rated| &rated.log_deviations).filter(|deviations| !deviations.is_empty());
+    if let Some(deviations) = of_choice {
+        let of = |(name, deviation): (&String, &f64)| {
+            let (value, factor) = (*record.parameters.get(name)?, (HALF_WIDTH_95 * deviation).exp());
+            Some((name.clone(), [value / factor, value * factor]))
+        };
+        return deviations.iter().filter_map(of).collect();
+    }
+    let Some(known) = &record.uncertainty else { return Vec::new() };
+    let both = known.interval_low.iter().filter_map(|(name, low)| {
+        Some((name.clone(), [(*low)?, known.interval_high.get(name).copied().flatten()?]))
+    });
+    both.collect()
+}
+
+/// The intervals of the forces of an element, N: what each end of the interval of each number changes, in quadrature.
+/// Empty where no number that it feels has an interval.
+fn intervals(
+    model: &Model,
+    ends: &[(String, [f64; 2])],
+    (place, own): (usize, &Element),
+    points: &[(f64, f64)],
+) -> Vec<(f64, f64)> {
+    let mut squares = vec![[0.0; 2]; points.len()];
+    for (name, end) in ends.iter().flat_map(|(name, ends)| ends.map(|end| (name.as_str(), end))) {
+        let Some(changed) = model.changed([(name, end)]).and_then(|changed| changed.structure().ok()) else { continue };
+        let changed = changed.with_trends_beyond();
+        let Some(there) = changed.connections().get(place) else { continue };
+        for ((deflection_m, _), squares) in points.iter().zip(&mut squares) {
+            let change = static_force_n(&there.element, *deflection_m) - static_force_n(own, *deflection_m);
+            squares[usize::from(change > 0.0)] += change * change;
+        }
+    }
+    let is_felt = squares.iter().flatten().any(|square| *square > 0.0);
+    let each = points.iter().zip(&squares).map(|((_, force), [down, up])| (force - down.sqrt(), force + up.sqrt()));
+    if is_felt { each.collect() } else { Vec::new() }
+}
+
+/// The static force of an element under loading, N; zero of a damper.
+fn static_force_n(element: &Element, deflection_m: f64) -> f64 {
+    match element {
+        Element::ForceDeflection(curve) => curve.static_force_n(deflection_m),
+        Element::PlasticSpring(spring) => spring.loading_stiffness_n_per_m * deflection_m,
+        Element::Spring(spring) => spring.0.at(deflection_m) * deflection_m,
+        Element::Damper(_) | Element::SeriesSpringDamper(_) => 0.0,
     }
 }
 
@@ -174,6 +239,15 @@ fn remarks(curve: &StaticCurve) -> Vec<String> {
             curve.rate_s_per_m
         ));
     }
+    if let Some(tested_m) = curve.tested_m {
+        remarks.push(format!(
+            "good for impacts on the front that was tested, up to a deflection of {tested_m:.3} m; beyond it the curve \
+             is a trend"
+        ));
+    }
+    if curve.intervals.is_empty() {
+        remarks.push("no interval of a force is known".to_owned());
+    }
     if curve.gap_m != 0.0 {
         remarks.push(format!("gap: deflection begins after {} m", curve.gap_m));
     }
@@ -182,14 +256,27 @@ fn remarks(curve: &StaticCurve) -> Vec<String> {
 
 fn csv(curve: &StaticCurve, text: &mut String) -> std::fmt::Result {
     remarks(curve).iter().try_for_each(|remark| writeln!(text, "# {remark}"))?;
-    writeln!(text, "deflection (m),static force (N)")?;
-    curve.points.iter().try_for_each(|(d, force)| writeln!(text, "{d},{force}"))
+    if curve.intervals.is_empty() {
+        writeln!(text, "deflection (m),static force (N)")?;
+        return curve.points.iter().try_for_each(|(d, force)| writeln!(text, "{d},{force}"));
+    }
+    writeln!(text, "deflection (m),static force (N),95 % low (N),95 % high (N)")?;
+    let rows = curve.points.iter().zip(&curve.intervals);
+    rows.into_iter().try_for_each(|((d, force), (low, high))| writeln!(text, "{d},{force},{low},{high}"))
+}
+
+/// The interval of every force, as a remark: a program that takes a curve takes no interval.
+fn intervals_in_words(curve: &StaticCurve) -> Vec<String> {
+    let rows = curve.points.iter().zip(&curve.intervals);
+    rows.map(|((d, force), (low, high))| format!("at {d:.4} m {force:.0} N, 95 % interval {low:.0} to {high:.0} N"))
+        .collect()
 }
 
 /// `*DEFINE_CURVE` has eight fields of ten characters, then two of twenty a line.
 fn ls_dyna(curve: &StaticCurve, text: &mut String) -> std::fmt::Result {
     let (loading, unloading) = (2 * curve.element - 1, 2 * curve.element);
-    remarks(curve).iter().try_for_each(|remark| writeln!(text, "$ {remark}"))?;
+    let remarks = remarks(curve).into_iter().chain(intervals_in_words(curve));
+    remarks.into_iter().try_for_each(|remark| writeln!(text, "$ {remark}"))?;
     writeln!(
         text,
         "$ units kg, m, s, N; not run in LS-DYNA: check signs (compression is positive here) and unloading"
@@ -216,7 +303,8 @@ fn define_curve(id: usize, points: &[(f64, f64)], text: &mut String) -> std::fmt
 }
 
 fn madymo(curve: &StaticCurve, text: &mut String) -> std::fmt::Result {
-    remarks(curve).iter().try_for_each(|remark| writeln!(text, "<!-- {} -->", remark.replace("--", "- -")))?;
+    let remarks = remarks(curve).into_iter().chain(intervals_in_words(curve));
+    remarks.into_iter().try_for_each(|remark| writeln!(text, "<!-- {} -->", remark.replace("--", "- -")))?;
     writeln!(text, "<!-- units m, N; not run in Madymo: check the hysteresis model -->")?;
     let id = curve.element;
     writeln!(text, "<FUNCTION.XY ID=\"{id}\" NAME=\"static force of element {id}\">")?;
@@ -243,6 +331,8 @@ mod tests {
             element: 1,
             between: "the wall and mass 1".to_owned(),
             points: vec![(0.0, 0.0), (0.1, 2e5), (0.5, 3e5)],
+            intervals: Vec::new(),
+            tested_m: Some(0.5),
             unloading_n_per_m: Some(2e7),
             rate_s_per_m: 0.004,
             gap_m: 0.0,
@@ -270,6 +360,11 @@ mod tests {
         assert_eq!(numbers(CurveFormat::PcCrash), [(0.0, 0.0), (0.1, 200.0), (0.5, 300.0)]);
         assert!(text(&[curve()], CurveFormat::Csv).contains("# unloading: straight at 2.000000e7 N/m"));
         assert!(text(&[curve()], CurveFormat::Madymo).contains("HYS_SLOPE=\"2.000000000000e7\""));
+        let known = [StaticCurve { intervals: vec![(0.0, 0.0), (1.9e5, 2.1e5), (2.5e5, 3.5e5)], ..curve() }];
+        assert!(text(&known, CurveFormat::Csv).contains("0.1,200000,190000,210000\n"));
+        for format in [CurveFormat::LsDyna, CurveFormat::Madymo] {
+            assert!(text(&known, format).contains("at 0.1000 m 200000 N, 95 % interval 190000 to 210000 N"));
+        }
     }
 
     /// `*DEFINE_CURVE` is read by columns.

@@ -162,11 +162,11 @@ pub struct SelectionRules {
     pub time_limit_percent: f64,
     /// Largest difference of the coefficient of restitution.
     pub restitution_limit: f64,
-    /// Two standard deviations of a measured wall force about a model, percent: half of the force that one mass misses is
-    /// that of the masses in front, whatever its curve.
+    /// Two standard deviations of a measured wall force about a model, percent: half of the force that one mass misses
+    /// is that of the masses in front, whatever its curve.
     pub force_limit_percent: f64,
-    /// Standard deviation of the crush at lower speeds, beside what the record itself shows, percent: a rate effect that
-    /// one speed does not show moves it by as much.
+    /// Standard deviation of the crush at lower speeds, beside what the record itself shows, percent: a rate effect
+    /// that one speed does not show moves it by as much.
     pub lower_speed_limit_percent: f64,
 }
 

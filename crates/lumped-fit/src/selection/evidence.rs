@@ -39,6 +39,8 @@ pub struct Evidence {
     pub terms: DVector<f64>,
     /// A column a number, the last that of time zero.
     pub sensitivity: DMatrix<f64>,
+    /// Names of the numbers.
+    pub names: Vec<String>,
 }
 
 impl Evidence {
@@ -64,7 +66,8 @@ impl Evidence {
                 columns.push(moved.unwrap_or_else(|| DVector::zeros(terms.len())));
             }
             columns.push(slow_terms(observed, &slope(observed, &misfit)) * TIME_ZERO_S);
-            Some(Self { terms, sensitivity: DMatrix::from_columns(&columns) })
+            let names = free.iter().map(|k| names[*k].to_string()).collect();
+            Some(Self { terms, sensitivity: DMatrix::from_columns(&columns), names })
         };
         let mut here = at(&values, terms_at(&values)?)?;
         for _ in 1..STEPS {
@@ -84,8 +87,9 @@ impl Evidence {
 
     /// Records side by side, each divided by its unit.
     pub fn side_by_side(each: Vec<(Self, f64)>) -> Option<Self> {
-        let (rows, columns) = (each.iter().map(|(one, _)| one.terms.len()).sum(), each.first()?.0.sensitivity.ncols());
-        let mut all = Self { terms: DVector::zeros(rows), sensitivity: DMatrix::zeros(rows, columns) };
+        let (rows, first) = (each.iter().map(|(one, _)| one.terms.len()).sum(), &each.first()?.0);
+        let (sensitivity, names) = (DMatrix::zeros(rows, first.sensitivity.ncols()), first.names.clone());
+        let mut all = Self { terms: DVector::zeros(rows), sensitivity, names };
         let mut row = 0;
         for (one, unit) in each {
             let count = one.terms.len();
@@ -110,6 +114,15 @@ impl Evidence {
         let left = count.checked_sub(self.sensitivity.ncols()).filter(|left| *left > 0)?;
         let step = self.least_step(self.terms.norm_squared() / count as f64)?;
         Some((&self.terms + &self.sensitivity * step).norm_squared() / left as f64)
+    }
+
+    /// Standard deviations of the logarithms of the numbers, once the terms are known, each of them to this variance.
+    pub fn deviations(&self, variance: f64) -> Vec<(String, f64)> {
+        let count = self.sensitivity.ncols();
+        let normal = self.sensitivity.tr_mul(&self.sensitivity) / variance + DMatrix::identity(count, count);
+        let Some(covariance) = Cholesky::new(normal).map(|root| root.inverse()) else { return Vec::new() };
+        let of = |k: usize| BEFORE_THE_RECORD * covariance[(k, k)].sqrt();
+        self.names.iter().enumerate().map(|(k, name)| (name.clone(), of(k))).collect()
     }
 
     /// Minus twice the logarithm of the density of the terms, each of which no model knows better than to this
@@ -208,6 +221,19 @@ mod tests {
         }
         let score = evidence.score(known).unwrap();
         assert!((score - sum).abs() < 1e-9 * sum, "{score} {sum}");
+    }
+
+    #[test]
+    fn what_the_record_determines_is_known_better_than_to_a_factor_of_2() {
+        let observed = late_by(0.0);
+        let known = |share: f64| {
+            let evidence = Evidence::new(&observed, &Model::Kelvin(KELVIN), &FREE).unwrap();
+            evidence.deviations(variance(&observed, share))
+        };
+        let (fine, coarse) = (known(0.02), known(100.0));
+        assert!(fine.iter().zip(FREE).all(|((name, deviation), free)| name == free && *deviation < 0.2), "{fine:?}");
+        // Of a record that says nothing what was known before is left.
+        assert!(coarse.iter().all(|(_, deviation)| (deviation / LN_2 - 1.0).abs() < 1e-2), "{coarse:?}");
     }
 
     #[test]

@@ -58,6 +58,8 @@ pub struct Rated {
     pub difference_with_priors: Option<f64>,
     /// What it weighs in a prediction; zero: nothing.
     pub weight: f64,
+    /// Standard deviations of the logarithms of its numbers, beside what no model describes.
+    pub deviations: Vec<(String, f64)>,
 }
 
 impl Rated {
@@ -102,6 +104,7 @@ pub(super) fn rate_all(
             terms: rules.terms(candidate, record.restitution),
             difference_with_priors: None,
             weight: 0.0,
+            deviations: Vec::new(),
         })
         .collect();
     let compared = || candidates.iter().zip(&rated).filter(|(_, rated)| rated.is_compared).map(|(one, _)| one);
@@ -109,7 +112,9 @@ pub(super) fn rate_all(
     let Some(terms) = evidence().map(|evidence| evidence.terms.len()).next() else { return (rated, None) };
     let variance = record.variance(evidence());
     for (candidate, rated) in candidates.iter().zip(&mut rated) {
-        rated.score = candidate.evidence.as_ref().and_then(|evidence| evidence.score(variance));
+        let Some(evidence) = &candidate.evidence else { continue };
+        rated.score = evidence.score(variance);
+        rated.deviations = evidence.deviations(variance);
     }
     let with_priors = |rated: &Rated| Some(rated.score? + rated.terms.iter().map(|(_, term)| term).sum::<f64>());
     let least = |of: &dyn Fn(&Rated) -> Option<f64>| {

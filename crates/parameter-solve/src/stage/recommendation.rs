@@ -164,5 +164,6 @@ fn rated_record(candidate: &ComparedCandidate, rated: &Rated) -> RatedCandidateV
         priors: rated.terms.iter().map(|(name, term)| PriorTermV1 { name: (*name).to_owned(), term: *term }).collect(),
         difference_with_priors: rated.difference_with_priors,
         weight: Some(rated.weight),
+        log_deviations: rated.deviations.iter().cloned().collect(),
     }
 }

@@ -56,6 +56,13 @@ impl FeltOverEnergy {
         self.at(energy).map(|felt| felt.largest).filter(|largest| *largest > 0.0)
     }
 
+    /// The mean deceleration over the last tenth of the energy of the test, m/s².
+    pub(crate) fn at_the_end(&self) -> Option<f64> {
+        let last: Vec<f64> = self.compared().skip(COMPARED as usize * 9 / 10).map(|(_, felt)| felt).collect();
+        let mean = last.iter().sum::<f64>() / last.len() as f64;
+        Some(mean).filter(|mean| *mean > 0.0)
+    }
+
     /// Root mean square of the difference of the decelerations at equal energies, over the mean of this one.
     pub(crate) fn misfit(&self, other: &Self) -> Option<f64> {
         let pairs: Vec<(f64, f64)> = self.compared().filter_map(|(e, own)| Some((own, other.at(e)?.now))).collect();

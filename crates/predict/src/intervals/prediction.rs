@@ -11,7 +11,7 @@ use crate::impact::candidate::Scenario;
 use crate::impact::outcome::{Energy, Outcome, QUANTITIES, Quantity, Reach, Side, Wave, energy};
 use crate::impact::partner::{CollisionOutcome, Opponent, PreparedSetup, collision};
 use crate::intervals::sources::{
-    Inputs, Interval, PreparedPartner, Variances, by_extrapolation, by_inputs_of_test, by_masses_in_front,
+    HALF_WIDTH, Inputs, Interval, PreparedPartner, Variances, by_extrapolation, by_inputs_of_test, by_masses_in_front,
     by_rate_effect, interval,
 };
 use crate::intervals::tested::{
@@ -168,7 +168,7 @@ impl Impact<'_> {
             let partner_kg = self.setting.opponent.map_or(0.0, |other| other.structure.masses_kg().iter().sum());
             crush_uncertainty(tested, (*speed, partner_kg, known), is_beyond[1], &wave, &outcome, Side::Partner)
         });
-        let intervals = Quantity::ALL.map(|quantity| {
+        let of = |quantity: Quantity, crush_deviation: f64| {
             let value = mixed.get(quantity)?;
             let q = quantity as usize;
             let models =
@@ -190,6 +190,12 @@ impl Impact<'_> {
             let [rate, force, in_front, record] = by_crush;
             let is_beyond = is_beyond[usize::from(quantity.side() == Side::Partner)];
             let misfit = self.by_misfit(quantity, &model, &outcome, is_beyond);
+            // The peak that is read off the record is as unsure as the crush up to which it is read.
+            let of_crush = match quantity {
+                Quantity::Peak => self.tested.own.peak_by_crush(taken.own_j, crush_deviation),
+                _ => 0.0,
+            };
+            let misfit = misfit + (of_crush * value).powi(2);
             let all: Variances =
                 [variances[q], by_speed[q], by_mass[q], models, rate, force, in_front, record, by_restraint[q], misfit];
             let possible = quantity.possible(value, outcome.get(Quantity::Restitution).unwrap_or(0.0));
@@ -198,7 +204,10 @@ impl Impact<'_> {
                 _ => 0.0,
             };
             interval(value, &all, measured, possible, inputs.left_out)
-        });
+        };
+        let crush = of(Quantity::DynamicCrush, 0.0).zip(mixed.get(Quantity::DynamicCrush));
+        let deviation = crush.map_or(0.0, |(interval, crush)| 0.5 * (interval.high - interval.low) / HALF_WIDTH / crush);
+        let intervals = Quantity::ALL.map(|quantity| of(quantity, deviation));
         let energy = match &both {
             Some(both) => both.energy,
             None => energy(&structure, speed, &outcome)?,

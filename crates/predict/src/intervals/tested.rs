@@ -146,9 +146,20 @@ impl<'a> OwnTest<'a> {
 
     /// What the record shows over what the model shows, of the largest deceleration until both have taken this energy,
     /// J; where one of them shows nothing, `None`.
-    fn peak(&self, energy_j: f64) -> Option<f64> {
-        let until = |felt: Option<&FeltOverEnergy>| felt?.largest_until(energy_j / self.mass_kg);
-        Some(until(self.made.felt.as_ref())? / until(self.felt.as_ref())?)
+    fn peak(&self, energy_j: f64) -> Option<PeakByRecord> {
+        let largest = |felt: Option<&FeltOverEnergy>| felt?.largest_until(energy_j / self.mass_kg);
+        let (made, model) = (largest(self.made.felt.as_ref())?, largest(self.felt.as_ref())?);
+        let at_the_end = |felt: Option<&FeltOverEnergy>| felt?.at_the_end();
+        let ends = at_the_end(self.made.felt.as_ref()).zip(at_the_end(self.felt.as_ref()));
+        Some(PeakByRecord { made, model, end: ends.map_or(1.0, |(made, model)| made / model) })
+    }
+
+    /// Relative standard deviation of the peak of the record by this one of the crush, where it has taken this energy,
+    /// J. Energy goes as the square of the crush, as on a straight curve.
+    pub fn peak_by_crush(&self, energy_j: f64, deviation: f64) -> f64 {
+        let largest = |share: f64| self.made.felt.as_ref()?.largest_until(share * energy_j / self.mass_kg);
+        let three = largest(1.0 - 2.0 * deviation).zip(largest(1.0)).zip(largest(1.0 + 2.0 * deviation));
+        three.map_or(0.0, |((low, own), high)| 0.5 * (high - low) / own)
     }
 
     /// The same of the coefficient of restitution, that of the model at least [`LEAST_RESTITUTION`].
@@ -173,7 +184,7 @@ impl<'a> OwnTest<'a> {
         match quantity {
             Quantity::DynamicCrush => self.misfit_of(quantity),
             Quantity::TimeOfDynamicCrush => self.misfit_of(quantity).hypot(TIME_BY_FORCE * self.misfit_of_force(false)),
-            Quantity::Peak => self.peak(f64::INFINITY).map_or(0.0, |factor| 1.0 - 1.0 / factor),
+            Quantity::Peak => self.peak(f64::INFINITY).map_or(0.0, |peak| 1.0 - peak.model / peak.made),
             Quantity::Restitution | Quantity::DeltaV => {
                 quantity.power_of_crush(restitution) * self.misfit_of_force(beyond)
             }
@@ -195,6 +206,27 @@ impl<'a> OwnTest<'a> {
     }
 }
 
+/// The largest decelerations of a record and of its model until an energy is taken, m/s², and the ratio of both at the
+/// end of the test.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct PeakByRecord {
+    made: f64,
+    model: f64,
+    end: f64,
+}
+
+impl PeakByRecord {
+    /// The peak of an impact in which the model has this one. One that is larger than in the test is felt beyond it,
+    /// where the end of the record says how far the model is off, and an early or late wave of it does not.
+    fn of(self, model: f64) -> f64 {
+        let grows = model > self.model * (1.0 + GROWS);
+        if grows { (self.end * model).max(self.made) } else { self.made / self.model * model }
+    }
+}
+
+/// Relative rise of a peak that is no rounding of a response.
+const GROWS: f64 = 1e-3;
+
 /// A front in an impact: its own test, and the energy that it takes, J.
 pub(crate) type TestedFront<'a> = (&'a OwnTest<'a>, f64);
 
@@ -203,11 +235,11 @@ pub(crate) type TestedFront<'a> = (&'a OwnTest<'a>, f64);
 /// right its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct RecordFactors {
-    /// Factor of the peak; `None`: the record says nothing of it.
-    pub peak: Option<f64>,
+    /// Of the peak; `None`: the record says nothing of it.
+    pub peak: Option<PeakByRecord>,
     /// Factor of the restitution, of at least [`LEAST_RESTITUTION`]; the product is 1 at most.
     pub restitution: Option<f64>,
-    partner_peak: Option<f64>,
+    partner_peak: Option<PeakByRecord>,
 }
 
 impl RecordFactors {
@@ -229,15 +261,13 @@ impl RecordFactors {
         let mut outcome = *model;
         let by_velocity = self.change_of_velocity(model);
         outcome.0[Quantity::Restitution as usize] = self.rebound(model).map(|(_, e)| e);
-        let factors = [
-            (Quantity::Peak, self.peak),
-            (Quantity::PartnerPeak, self.partner_peak),
-            (Quantity::DeltaV, Some(by_velocity)),
-            (Quantity::PartnerDeltaV, Some(by_velocity)),
-        ];
-        for (quantity, factor) in factors {
+        for (quantity, peak) in [(Quantity::Peak, self.peak), (Quantity::PartnerPeak, self.partner_peak)] {
             let value = &mut outcome.0[quantity as usize];
-            *value = value.zip(factor).map(|(value, factor)| factor * value).or(*value);
+            *value = value.zip(peak).map(|(value, peak)| peak.of(value)).or(*value);
+        }
+        for quantity in [Quantity::DeltaV, Quantity::PartnerDeltaV] {
+            let value = &mut outcome.0[quantity as usize];
+            *value = value.map(|value| by_velocity * value);
         }
         outcome
     }

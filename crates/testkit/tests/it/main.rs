@@ -5,6 +5,7 @@
 mod bad_input;
 mod book;
 mod camry;
+mod choice_cases;
 mod clock_cases;
 mod determinism;
 mod earlier_runs;

@@ -1,5 +1,7 @@
 //! Record: which candidate to use for what, and why.
 
+use std::collections::BTreeMap;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -130,6 +132,10 @@ pub struct RatedCandidateV1 {
     /// not for prediction. `null` in records of earlier versions.
     #[serde(default)]
     pub weight: Option<f64>,
+    /// Standard deviations of the logarithms of its free numbers, once the record is known, beside what no lumped model
+    /// describes of it; each at most `ln 2`.
+    #[serde(default)]
+    pub log_deviations: BTreeMap<String, f64>,
 }
 
 /// What a prior adds to the criterion of a candidate.

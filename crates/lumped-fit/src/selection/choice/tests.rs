@@ -23,7 +23,7 @@ fn candidate(id: &str, class: EnergyClass, parameters: usize, misfit: f64) -> Co
         on_bound: Vec::new(),
         physical: true,
         misfit: Some(misfit),
-        evidence: Some(Evidence { terms, sensitivity }),
+        evidence: Some(Evidence { terms, sensitivity, names: Vec::new() }),
         fit_percent: Some(99.0 - misfit),
         worst_sensor: None,
         restitution: Some(0.15),

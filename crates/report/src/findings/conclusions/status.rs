@@ -234,7 +234,7 @@ fn of_models(run: &Run, ranking: &Ranking, kind: Kind) -> StatusReason {
         .or_else(|| asked.filter(is_limit))
         .or_else(|| misses_its_test(run, best))
         .or_else(|| sensors_differ(run))
-        .or_else(|| uncertain(best))
+        .or_else(|| uncertain(run, best))
         .or_else(|| beside(run))
         .or(good_to)
         .unwrap_or(Reason::NoInterval)
@@ -262,17 +262,29 @@ pub(crate) fn beside(run: &Run) -> Option<StatusReason> {
     }
 }
 
-/// Returns the reason when parameters of a model are not known.
-fn uncertain(best: &CandidateResult) -> Option<StatusReason> {
-    let known = best.certainties();
-    if known.determined < known.parameters {
+/// Returns the reason when parameters of a model are not known. Forces of a curve are known together, though none of
+/// them may be known beside the others, where the curve has the decelerations of the record.
+fn uncertain(run: &Run, best: &CandidateResult) -> Option<StatusReason> {
+    let (known, are_forces) = (best.certainties(), has_only_forces(best));
+    if known.determined < known.parameters && !(are_forces && has_the_forces(run, best)) {
         let (determined, parameters) = (known.determined, known.parameters);
-        return Some(StatusReason::FewDetermined { determined, parameters, are_forces: has_only_forces(best) });
+        return Some(StatusReason::FewDetermined { determined, parameters, are_forces });
     }
     if best.record.uncertainty.is_none() && !best.is_chain() {
         return Some(StatusReason::Unassessed);
     }
     best.record.equivalent_to.as_ref().map(|_| StatusReason::Dual)
+}
+
+/// Root mean square misfit of the deceleration over its mean up to which a curve has the forces of the record.
+const OF_THE_MEAN: f64 = 0.15;
+
+/// Whether a model misses the decelerations of the record by little beside their mean, `v0²/2C`.
+fn has_the_forces(run: &Run, best: &CandidateResult) -> bool {
+    let Some(events) = &run.events else { return false };
+    let mean = events.impact_speed_m_per_s.zip(events.dynamic_crush_m).map(|(v0, crush)| 0.5 * v0 * v0 / crush);
+    let misfit = run.rated(&best.id).and_then(|rated| rated.misfit);
+    misfit.zip(mean).is_some_and(|(misfit, mean)| misfit <= OF_THE_MEAN * mean)
 }
 
 /// Whether forces at deflections are all that was asked of the record.
