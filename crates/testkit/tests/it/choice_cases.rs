@@ -1,5 +1,5 @@
-//! Which model predicts other speeds: pulses of closed form whose own force over crush holds the crush at a lower speed,
-//! and one pulse with many noises.
+//! Which model predicts other speeds: pulses of closed form whose own force over crush holds the crush at a lower
+//! speed, and one pulse with many noises.
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
