@@ -133,9 +133,10 @@ fn ends_of_numbers(record: &CandidateV1, rated: Option<&RatedCandidateV1>) -> Ve
         return deviations.iter().filter_map(of).collect();
     }
     let Some(known) = &record.uncertainty else { return Vec::new() };
-    let both = known.interval_low.iter().filter_map(|(name, low)| {
-        Some((name.clone(), [(*low)?, known.interval_high.get(name).copied().flatten()?]))
-    });
+    let both = known
+        .interval_low
+        .iter()
+        .filter_map(|(name, low)| Some((name.clone(), [(*low)?, known.interval_high.get(name).copied().flatten()?])));
     both.collect()
 }
 

@@ -201,7 +201,8 @@ impl Comparison {
         let unit = |test: &ComparedTest| if one { 1.0 } else { test.wave().size() };
         let misfits = self.tests.iter().zip(&each).map(|(test, in_test)| Some(in_test.misfit? / unit(test)));
         let misfits: Option<Vec<f64>> = misfits.collect();
-        let evidence = self.tests.iter().zip(&each).map(|(test, in_test)| Some((in_test.evidence.clone()?, unit(test))));
+        let evidence =
+            self.tests.iter().zip(&each).map(|(test, in_test)| Some((in_test.evidence.clone()?, unit(test))));
         let evidence: Option<Vec<_>> = evidence.collect();
         let fits: Option<Vec<f64>> = evaluations.iter().map(|of_test| of_test.fit_as_measured_percent).collect();
         let restitutions: Option<Vec<f64>> = evaluations.iter().map(|of_test| of_test.restitution).collect();
@@ -251,9 +252,8 @@ impl Comparison {
             affects_other_speeds,
             on_bound: bounds.iter().filter(|name| !is_limit(name) && !is_inside(name)).cloned().collect(),
             physical: record.physical,
-            misfit: misfits.map(|each| {
-                (each.iter().map(|misfit| misfit * misfit).sum::<f64>() / each.len() as f64).sqrt()
-            }),
+            misfit: misfits
+                .map(|each| (each.iter().map(|misfit| misfit * misfit).sum::<f64>() / each.len() as f64).sqrt()),
             evidence: evidence.and_then(Evidence::side_by_side),
             // The worst of several: a model is to follow all.
             fit_percent: fits.and_then(|fits| fits.into_iter().reduce(f64::min)),

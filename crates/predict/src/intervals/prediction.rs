@@ -206,7 +206,8 @@ impl Impact<'_> {
             interval(value, &all, measured, possible, inputs.left_out)
         };
         let crush = of(Quantity::DynamicCrush, 0.0).zip(mixed.get(Quantity::DynamicCrush));
-        let deviation = crush.map_or(0.0, |(interval, crush)| 0.5 * (interval.high - interval.low) / HALF_WIDTH / crush);
+        let deviation =
+            crush.map_or(0.0, |(interval, crush)| 0.5 * (interval.high - interval.low) / HALF_WIDTH / crush);
         let intervals = Quantity::ALL.map(|quantity| of(quantity, deviation));
         let energy = match &both {
             Some(both) => both.energy,

@@ -115,7 +115,8 @@ fn numbers_that_nothing_determines_do_not_win_where_the_record_itself_answers() 
 #[test]
 fn what_is_not_adequate_has_no_say() {
     let good = candidate("good", EnergyClass::Plastic, 2, 1.0);
-    let bound = ComparedCandidate { on_bound: vec!["k".to_owned()], ..candidate("bound", EnergyClass::Plastic, 2, 0.1) };
+    let bound =
+        ComparedCandidate { on_bound: vec!["k".to_owned()], ..candidate("bound", EnergyClass::Plastic, 2, 0.1) };
     let active = ComparedCandidate { physical: false, ..candidate("active", EnergyClass::Plastic, 2, 0.1) };
     let poor = ComparedCandidate { fit_percent: Some(60.0), ..candidate("poor", EnergyClass::Plastic, 1, 3.0) };
     let all = [good, bound, active, poor];
@@ -193,7 +194,8 @@ fn the_crush_at_lower_speeds_and_the_force_on_the_wall_are_terms_of_the_sum() {
     assert!(chosen(std::slice::from_ref(&line)).rated[0].terms.contains(&("lower speeds", 36.0)));
     let unknown = ComparedCandidate { crush_error_at_lower_speeds: None, ..line };
     assert_eq!(ids(&[unknown, error("other", 1.0, 0.012)])[0], Some("line"));
-    let wall = ComparedCandidate { force_misfit_percent: Some(70.0), ..candidate("wall", EnergyClass::Plastic, 2, 0.5) };
+    let wall =
+        ComparedCandidate { force_misfit_percent: Some(70.0), ..candidate("wall", EnergyClass::Plastic, 2, 0.5) };
     // 35 % is two standard deviations.
     assert!(chosen(std::slice::from_ref(&wall)).rated[0].terms.contains(&("wall force", 16.0)));
     assert_eq!(ids(&[wall, candidate("good", EnergyClass::Plastic, 2, 0.9)])[0], Some("good"));
