@@ -149,9 +149,13 @@ mod tests {
         assert!((widths[0] - 0.00822).abs() < 1e-4, "{widths:?}");
         assert!(widths[0] < widths[1] && widths[1] < widths[2], "{widths:?}");
         let two = [elastoplastic(1.0), stiffer()];
-        let spread = half_width(&at(&two, Inputs::default(), 15.0, None));
-        // Half of the weight on a model whose crush is 1/sqrt(1.1) of this: 4.65 %, times sqrt(0.5).
-        let expected = 1.644_853_6 * f64::hypot(0.005, (1.0 - 1.1_f64.powf(-0.5)) * 0.5_f64.sqrt());
+        let both = at(&two, Inputs::default(), 15.0, None);
+        // The answer is the mean of two models of one weight, of which one has 1/sqrt(1.1) of the crush of the other.
+        let (other, spread) = (1.1_f64.powf(-0.5), half_width(&both));
+        let mean = 0.5 * (1.0 + other);
+        let own = at(&one, Inputs::default(), 15.0, None).outcome.0[0].unwrap();
+        assert!((both.outcome.0[0].unwrap() / own - mean).abs() < 1e-6);
+        let expected = 1.644_853_6 * f64::hypot(0.005, 0.5 * (1.0 - other)) / mean;
         assert!((spread - expected).abs() < 2e-4, "{spread}, expected {expected}");
         let inputs = Inputs { speed_m_per_s: 0.15, ..Inputs::default() };
         // Crush goes as the speed: 1 % of it.

@@ -5,7 +5,7 @@ use std::fmt;
 
 use crumple_lumped::{Model, ParameterKind};
 
-use crate::selection::evidence::Evidence;
+use crate::selection::evidence::{Evidence, OF_A_NUMBER};
 
 /// What takes the energy of the impact in a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -150,6 +150,8 @@ const LEAST_RESTITUTION: f64 = 0.05;
 pub struct SelectionRules {
     /// What a model without plastic deformation is charged.
     pub plastic_prior: f64,
+    /// What each free number is charged, beside what the evidence charges it for what it foretells.
+    pub number_prior: f64,
     /// Restitution of vehicles in general, where the record shows none.
     pub restitution_prior: f64,
     /// Standard deviation of its logarithm; 0: no such term.
@@ -174,6 +176,7 @@ impl Default for SelectionRules {
     fn default() -> Self {
         Self {
             plastic_prior: 10.0,
+            number_prior: OF_A_NUMBER,
             restitution_prior: 0.15,
             restitution_deviation: 0.35,
             adequate_fit_percent: 90.0,
@@ -201,6 +204,8 @@ pub struct Prior {
 
 /// Name of the prior on what takes the energy.
 const CLASS: &str = "class";
+/// Name of the prior on free numbers.
+const NUMBERS: &str = "numbers";
 /// Name of the term for the crush at lower speeds that the record itself shows.
 const LOWER_SPEEDS: &str = "lower speeds";
 /// Name of the term for the force on the wall.
@@ -223,6 +228,14 @@ impl SelectionRules {
                 ),
                 source: "96 to 99 % of the energy is lost in full frontal tests at 56 km/h; differences above 10 are \
                          decisive (Burnham & Anderson 2002, section 2.6)",
+            });
+        }
+        if self.number_prior > 0.0 {
+            priors.push(Prior {
+                name: NUMBERS,
+                statement: format!("each free number is charged {:.2}", self.number_prior),
+                source: "a number more halves the odds of a model: of models that the record does not tell apart the \
+                         simpler one",
             });
         }
         if self.restitution_deviation > 0.0 {
@@ -250,6 +263,9 @@ impl SelectionRules {
         if self.plastic_prior > 0.0 {
             let is_plastic = candidate.class == EnergyClass::Plastic;
             terms.push((CLASS, if is_plastic { 0.0 } else { self.plastic_prior }));
+        }
+        if self.number_prior > 0.0 {
+            terms.push((NUMBERS, self.number_prior * candidate.parameters as f64));
         }
         let of_record = [
             (LOWER_SPEEDS, candidate.crush_error_at_lower_speeds, self.lower_speed_limit_percent),

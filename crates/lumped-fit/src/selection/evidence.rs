@@ -21,6 +21,9 @@ use crate::record::observation::Observation;
 const TIME_ZERO_S: f64 = 2.5e-4;
 /// Standard deviation of the logarithm of a number before the record: a factor of 2, the range of vehicles.
 const BEFORE_THE_RECORD: f64 = LN_2;
+/// What each number is charged beforehand, beside what the score charges it for what it foretells: one more halves the
+/// odds of a model, so that of models which the record does not tell apart the simpler one is taken.
+pub const OF_A_NUMBER: f64 = 2.0 * LN_2;
 /// Relative step of a difference quotient: rounding over it and its second-order error are both below 1e-5.
 const DIFFERENCE: f64 = 1e-5;
 /// Largest relative change of a number in one step towards the least misfit.

@@ -18,7 +18,7 @@ use crate::extraction::problem::{
 use crate::parameters::{MassEvidence, free_masses, free_parameters, masses};
 use crate::record::observation::{Observation, ObservedWave};
 use crate::record::sensor::{FitQuantity, SensorPlace};
-use crate::selection::evidence::Evidence;
+use crate::selection::evidence::{Evidence, OF_A_NUMBER};
 use crate::selection::rating::ComparedRecord;
 use crate::solvers::closed_forms::{KNOT_SPACING_S, RATE_PRIOR_S_PER_M, restitution};
 use crate::solvers::fitting::{FitStart, FitTask};
@@ -274,7 +274,8 @@ fn asks_for(accelerations: &Observation, without: &Minimum, with: &Minimum) -> b
     let wave = &accelerations.waves[0];
     let record = ComparedRecord::of(wave, 0.0);
     let variance = record.variance([&a, &b]);
-    b.score(variance).zip(a.score(variance)).is_some_and(|(with, without)| with < without)
+    let more = OF_A_NUMBER * (with.free.len() as f64 - without.free.len() as f64);
+    b.score(variance).zip(a.score(variance)).is_some_and(|(with, without)| with + more < without)
 }
 
 /// Which paths with how many knots.

@@ -73,7 +73,7 @@ fn choice() -> RecommendationV1 {
         recommended: Some(PLASTIC_ID.to_owned()),
         simplest: Some(PLASTIC_ID.to_owned()),
         closest: Some(KELVIN_ID.to_owned()),
-        candidates: vec![rated(PLASTIC_ID, 0.0), rated(KELVIN_ID, 1.0)],
+        candidates: vec![rated(PLASTIC_ID, 0.0), rated(KELVIN_ID, 40.0)],
         ..RecommendationV1::default()
     }
 }

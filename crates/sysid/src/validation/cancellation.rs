@@ -33,7 +33,7 @@ pub struct Cancelled {
 /// and outputs, more than eight poles, or no fit.
 ///
 /// Output error is fitted from the poles of the model and from those without one pole or pair, over and over while
-/// Schwarz's criterion on independent samples falls. With one input and one output the zero must also lie beside the
+/// Schwarz's criterion on all samples falls. With one input and one output the zero must also lie beside the
 /// pole: no further away than the noise brings it, at 95 % over all frequencies that the record tells apart.
 pub fn cancelled_poles(data: &IoData, poles: &[Complex]) -> Option<Cancelled> {
     let paths = (data.inputs().len(), data.outputs().len());
@@ -47,8 +47,9 @@ pub fn cancelled_poles(data: &IoData, poles: &[Complex]) -> Option<Cancelled> {
     };
     let mut current = fitted(poles)?;
     let samples = effective_samples(&data, &current);
-    let bic =
-        |fit: &OutputError| InformationCriteria::new(fit.loss.max(ROUNDING), samples, fit.criteria.parameters).bic;
+    // All samples count: what is counted too high here keeps a pole, and no mode of the record is lost.
+    let count = data.samples() as f64;
+    let bic = |fit: &OutputError| InformationCriteria::new(fit.loss.max(ROUNDING), count, fit.criteria.parameters).bic;
     let fit_percent = worst_fit(&data, &current)?;
     loop {
         let own = poles_of(&current);

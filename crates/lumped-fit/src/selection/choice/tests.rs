@@ -24,7 +24,7 @@ fn candidate(id: &str, class: EnergyClass, parameters: usize, misfit: f64) -> Co
         physical: true,
         misfit: Some(misfit),
         evidence: Some(Evidence { terms, sensitivity, names: Vec::new() }),
-        fit_percent: Some(99.0 - misfit),
+        fit_percent: Some(99.0 - 0.1 * misfit),
         worst_sensor: None,
         restitution: Some(0.15),
         force_misfit_percent: None,
@@ -64,6 +64,8 @@ fn weights_are_those_of_the_sums_and_the_heaviest_is_recommended() {
     let difference = cost(3.0, 0.5) - cost(2.0, 1.0);
     let rated = &selection.rated;
     assert!((rated[1].score.unwrap() - rated[0].score.unwrap() - difference).abs() < 1e-9, "{rated:?}");
+    // A number more halves the odds.
+    let difference = difference + 2.0 * 2.0_f64.ln();
     assert!((rated[1].weight / rated[0].weight - (-0.5 * difference).exp()).abs() < 1e-9);
     assert!((rated[0].weight + rated[1].weight - 1.0).abs() < 1e-12);
     let heavier = usize::from(difference < 0.0);
@@ -83,6 +85,14 @@ fn a_damped_model_must_win_by_more_than_the_prior() {
     assert_eq!(chosen(&[plastic.clone(), far.clone()]).strength, Some((Strength::Decisive, 0)));
     assert_eq!(chosen(std::slice::from_ref(&far)).strength, None);
     assert_eq!(ids(&[plastic, far])[0], Some("damped"));
+}
+
+#[test]
+fn of_models_that_the_record_does_not_tell_apart_the_simpler_is_recommended() {
+    // Numbers that move nothing cost the score nothing.
+    let mut six = candidate("six", EnergyClass::Damped, 2, 0.99);
+    six.parameters = 6;
+    assert_eq!(ids(&[six, candidate("two", EnergyClass::Damped, 2, 1.0)])[0], Some("two"));
 }
 
 #[test]
@@ -136,7 +146,7 @@ fn what_is_not_adequate_has_no_say() {
 
 #[test]
 fn an_adequate_model_repeats_its_own_test() {
-    let near = candidate("near", EnergyClass::Plastic, 2, 0.9);
+    let near = candidate("near", EnergyClass::Plastic, 2, 2.0);
     let own = near.own_test;
     let off = |own_test: OwnTestErrors| ComparedCandidate { own_test, ..candidate("off", EnergyClass::Damped, 2, 0.1) };
     let first_reason = |off: &ComparedCandidate| {
@@ -208,7 +218,12 @@ fn a_restitution_unlike_that_of_the_test_costs() {
     let term = selection.rated[0].terms.iter().find(|(name, _)| *name == "restitution").unwrap().1;
     assert!((term - (4.0_f64.ln() / 0.35).powi(2)).abs() < 1e-12);
     assert_eq!(selection.recommended.candidate, Some(1));
-    let wide = SelectionRules { restitution_deviation: 0.0, plastic_prior: 0.0, ..SelectionRules::default() };
+    let wide = SelectionRules {
+        restitution_deviation: 0.0,
+        plastic_prior: 0.0,
+        number_prior: 0.0,
+        ..SelectionRules::default()
+    };
     assert!(wide.terms(&candidate("a", EnergyClass::Elastic, 1, 1.0), None).is_empty());
     assert!(wide.priors(None).is_empty());
 }
