@@ -150,10 +150,12 @@ impl ComparedCandidates<'_> {
         if self.rated[k].score.is_none() {
             return Some("it has no finite score".to_owned());
         }
-        let open = candidate.affects_other_speeds.len();
+        let (open, of) = (candidate.affects_other_speeds.len(), candidate.parameters);
+        let none_is_known = candidate.is_assessed && candidate.unidentified.len() >= of;
         let record_answers = || self.compared().any(|k| self.is_plastic(k) && self.rated[k].score.is_some());
-        (open > 0 && !self.is_plastic(k) && record_answers()).then(|| {
-            format!("{open} of its {} numbers are not determined and felt at other speeds", candidate.parameters)
+        ((open > 0 || none_is_known) && !self.is_plastic(k) && record_answers()).then(|| match open {
+            0 => format!("none of its {of} numbers is determined"),
+            _ => format!("{open} of its {of} numbers are not determined and felt at other speeds"),
         })
     }
 

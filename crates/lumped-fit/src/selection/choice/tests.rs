@@ -115,6 +115,11 @@ fn numbers_that_nothing_determines_do_not_win_where_the_record_itself_answers() 
     assert_eq!(selection.rated[1].weight, 0.0);
     let because = &selection.recommended.because;
     assert!(because.contains("lower, but 2 of its 4 numbers are not determined and felt at other speeds"), "{because}");
+    let unknown = ComparedCandidate {
+        unidentified: ["k1", "c1", "k2", "c2"].map(str::to_owned).to_vec(),
+        ..candidate("unknown", EnergyClass::Damped, 4, 0.5)
+    };
+    assert_eq!(ids(&[both[0].clone(), unknown])[0], Some("plastic"));
     // An open knot of a curve is in its interval.
     let curve = open(candidate("curve", EnergyClass::Plastic, 4, 0.5), &["knot3_n"]);
     assert_eq!(ids(&[both[0].clone(), curve])[0], Some("curve"));
