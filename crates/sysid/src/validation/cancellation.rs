@@ -48,7 +48,7 @@ pub fn cancelled_poles(data: &IoData, poles: &[Complex]) -> Option<Cancelled> {
     let mut current = fitted(poles)?;
     let samples = effective_samples(&data, &current);
     // All samples count: what is counted too high here keeps a pole, and no mode of the record is lost.
-    let count = data.samples() as f64;
+    let count = samples.max(data.samples() as f64);
     let bic = |fit: &OutputError| InformationCriteria::new(fit.loss.max(ROUNDING), count, fit.criteria.parameters).bic;
     let fit_percent = worst_fit(&data, &current)?;
     loop {
