@@ -145,14 +145,7 @@ impl Impact<'_> {
         let by_record = taken.by_record(&self.tested.own, partner_own);
         let outcome = by_record.of(&model);
         both.iter_mut().for_each(|both| by_record.after(both, &model));
-        let of_others = others.iter().map(|(other, own, weight)| (other, (*own, partner_own), *weight));
-        let of_partners =
-            partner_others.iter().map(|(other, own, weight)| (other, (&self.tested.own, Some(*own)), *weight));
-        let after = |(other, (own, partner), weight): (&Outcome, TestedBy<'_>, f64)| {
-            (taken.by_record(own, partner).of(other), weight)
-        };
-        let of_vehicle: Vec<(Outcome, f64)> = of_others.map(after).collect();
-        let of_partner: Vec<(Outcome, f64)> = of_partners.map(after).collect();
+        let [of_vehicle, of_partner] = self.by_records(taken, others, &partner_others);
         let mixed = if self.leads { mean([&of_vehicle, &of_partner], &outcome) } else { outcome };
         let others = [of_vehicle, of_partner].concat();
         let variances = self.by_parameters(&structure, &outcome);
@@ -173,21 +166,8 @@ impl Impact<'_> {
             let q = quantity as usize;
             let models =
                 others.iter().filter_map(|(other, weight)| Some(weight * (other.get(quantity)? - value).powi(2))).sum();
-            let by_crush = [0, 1, 2, 3].map(|k| {
-                let power = quantity.power_of_crush(outcome.get(Quantity::Restitution).unwrap_or(0.0));
-                let scaled = |doubt: &CrushUncertainty| {
-                    let more = if k == EXTRAPOLATION { doubt.beyond(quantity) } else { 1.0 };
-                    (power * more * doubt.shares[k] * value).powi(2)
-                };
-                match quantity.side() {
-                    Side::Own => scaled(&own_doubt),
-                    Side::Partner => scaled(&partner_doubt),
-                    Side::Both => {
-                        [own_doubt, partner_doubt].iter().map(|doubt| (doubt.shares[k] * doubt.crush_m).powi(2)).sum()
-                    }
-                }
-            });
-            let [rate, force, in_front, record] = by_crush;
+            let restitution = outcome.get(Quantity::Restitution).unwrap_or(0.0);
+            let [rate, force, in_front, record] = by_crush([own_doubt, partner_doubt], (quantity, value), restitution);
             let is_beyond = is_beyond[usize::from(quantity.side() == Side::Partner)];
             let misfit = self.by_misfit(quantity, &model, &outcome, is_beyond);
             // The peak that is read off the record is as unsure as the crush up to which it is read.
@@ -228,6 +208,23 @@ impl Impact<'_> {
             support: own,
             partner_support,
         })
+    }
+
+    /// The numbers of the other models of the vehicle, and of its partner, as the records leave them, with their
+    /// weights.
+    fn by_records(
+        &self,
+        taken: Taken,
+        of_vehicle: &[(Outcome, &OwnTest<'_>, f64)],
+        of_partner: &[(Outcome, &OwnTest<'_>, f64)],
+    ) -> [Vec<(Outcome, f64)>; 2] {
+        let partner_own = self.partner.tested.as_ref().map(|tested| &tested.own);
+        let vehicle =
+            of_vehicle.iter().map(|(other, own, weight)| (taken.by_record(own, partner_own).of(other), *weight));
+        let partner = of_partner
+            .iter()
+            .map(|(other, own, weight)| (taken.by_record(&self.tested.own, Some(own)).of(other), *weight));
+        [vehicle.collect(), partner.collect()]
     }
 
     fn support(
@@ -330,8 +327,21 @@ impl Impact<'_> {
     }
 }
 
-/// The tests of a vehicle and of its partner.
-type TestedBy<'a> = (&'a OwnTest<'a>, Option<&'a OwnTest<'a>>);
+/// Variances of a number by what the fronts of both sides make unsure of the crush.
+fn by_crush(doubts: [CrushUncertainty; 2], (quantity, value): (Quantity, f64), restitution: f64) -> [f64; 4] {
+    [0, 1, 2, 3].map(|k| {
+        let power = quantity.power_of_crush(restitution);
+        let scaled = |doubt: &CrushUncertainty| {
+            let more = if k == EXTRAPOLATION { doubt.beyond(quantity) } else { 1.0 };
+            (power * more * doubt.shares[k] * value).powi(2)
+        };
+        match quantity.side() {
+            Side::Own => scaled(&doubts[0]),
+            Side::Partner => scaled(&doubts[1]),
+            Side::Both => doubts.iter().map(|doubt| (doubt.shares[k] * doubt.crush_m).powi(2)).sum(),
+        }
+    })
+}
 
 /// The mean of the models of a vehicle by their weights, and of its partner's, each number of those that have it; where
 /// there are none, the answer of one.
