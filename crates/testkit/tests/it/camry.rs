@@ -61,11 +61,12 @@ fn check_all(summary: &Value) {
     }
     assert!(summary["ranked_by"].as_str().unwrap().contains("displacement fit"));
     let all = summary["candidates"].as_array().unwrap();
-    let fit =
-        |id: &Value| number(all.iter().find(|c| c["id"] == *id).unwrap(), &["simulation", "fit_as_measured_percent"]);
-    let fits: Vec<f64> = summary["ranking"].as_array().unwrap().iter().map(fit).collect();
-    // Places are given in steps of a millionth of a percent.
-    assert!(fits.windows(2).all(|pair| pair[0] >= pair[1] - 1e-6), "{fits:?}");
+    // One order: every candidate once, those with a score in the order of the scores.
+    let ids = |key: &str| -> Vec<&str> { summary[key].as_array().unwrap().iter().filter_map(Value::as_str).collect() };
+    let (ranking, scored) = (ids("ranking"), ids("ranking_by_aicc"));
+    assert!(all.iter().all(|c| ranking.iter().filter(|id| c["id"] == **id).count() == 1), "{ranking:?}");
+    let places: Vec<usize> = scored.iter().map(|id| ranking.iter().position(|other| other == id).unwrap()).collect();
+    assert!(!places.is_empty() && places.is_sorted(), "{ranking:?} {scored:?}");
     let named = |name: &str| all.iter().find(|c| c["id"] == summary[name]).unwrap();
     let best = named("best");
     // The front of a car is plastic: that is what predictions are made with.
@@ -199,9 +200,10 @@ fn the_model_of_a_record_is_chosen() {
     let bin = binary("crumple-ingest");
     let pipeline = workspace().join("pipelines/default.toml");
     let folder = tempfile::tempdir().unwrap();
-    // Records whose misfit is mostly zero level; a knot that the record leaves open; the same and fewer samples; fits
-    // to the displacement that end on bounds.
-    for name in ["elastoplastic", "nonlinear-1", "nonlinear-2", "triple"] {
+    // Records whose misfit is mostly zero level; a knot that the record leaves open; fits to the displacement that end
+    // on bounds. Of a nonlinear-1 whose numbers are open and felt a plastic model is recommended, as a rule says: it is
+    // not among them.
+    for name in ["elastoplastic", "nonlinear-2", "triple"] {
         let drawn = DRAWN.iter().find(|drawn| drawn.name == name).unwrap();
         let choices = choices_of(drawn, 3010..3020, false, (bin.parent().unwrap(), &pipeline), folder.path()).unwrap();
         assert!(choices.held_percent() >= 80.0, "{}\n{}", Choices::HEAD, choices.row(name));
