@@ -240,7 +240,7 @@ impl Candidate {
         self.stated.as_deref().unwrap_or(self.method.name())
     }
 
-    /// Names of its parameters in words, separated by commas: see [`in_words`].
+    /// Names of its parameters in words, separated by commas: see `in_words`.
     pub fn in_words<'a>(&self, names: impl IntoIterator<Item = &'a str>) -> String {
         all_in_words(&self.model, names)
     }

@@ -34,7 +34,7 @@ const OWN_DUAL: f64 = 1e-4;
 
 /// Descends from `model` to the least misfit with all parameters of `free` moving.
 ///
-/// Bounded Levenberg-Marquardt in the coordinates of [`FitParameter`] on analytic sensitivities through sampling,
+/// Bounded Levenberg-Marquardt in the coordinates of the fit parameters on analytic sensitivities through sampling,
 /// filter and integration. Then descents from both sides of the minimum along the direction in which the misfit rises
 /// least, of which the first that lowers the cost by 0.1 % within 20 steps is followed; none where the misfit is below
 /// the resolution of the record.

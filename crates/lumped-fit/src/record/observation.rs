@@ -51,7 +51,7 @@ pub struct ObservedWave {
     pub stride: usize,
     /// The wave at `first`, `first + stride`, ..., in its unit.
     pub samples: Vec<f64>,
-    /// What the wave is known to at best, in its unit, see [`RESOLUTION_M`].
+    /// What the wave is known to at best, in its unit.
     pub resolution: f64,
     /// Factor of its misfit beside that of the first wave: noise level of the first over its own; 1 for the first.
     pub weight: f64,

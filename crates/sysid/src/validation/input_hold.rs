@@ -105,7 +105,7 @@ pub fn line_loss(signal: &[f64]) -> Option<LineLoss> {
     }
     let mean = signal.iter().sum::<f64>() / signal.len().max(1) as f64;
     let about_zero = signal.iter().map(|x| x - mean).collect();
-    let power: Vec<f64> = spectrum(about_zero)?.iter().map(|x| x.norm_sqr()).collect();
+    let power: Vec<f64> = spectrum(about_zero)?.iter().map(nalgebra::Complex::norm_sqr).collect();
     let whole: f64 = power.iter().sum();
     let lines = signal.len() as f64;
     let beyond: f64 = power.iter().enumerate().filter(|(k, _)| 4.0 * *k as f64 > lines).map(|(_, p)| p).sum();
