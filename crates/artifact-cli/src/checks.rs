@@ -28,6 +28,24 @@ pub struct Checked {
     pub digest: String,
 }
 
+impl Checked {
+    /// The line of a file without fault.
+    pub fn line(&self, file: &std::path::Path) -> String {
+        let foreign = match self.foreign {
+            0 => String::new(),
+            n => format!(" ({n} of other projects, not decoded)"),
+        };
+        format!(
+            "{}: ok: {} records{foreign}, {} waves, {} samples, digest {}\n",
+            file.display(),
+            self.records,
+            self.waves,
+            self.samples,
+            self.digest
+        )
+    }
+}
+
 /// Topic, or its start where it ends in `/`, and what may stand there.
 const STATED: [(&str, &[&str]); 27] = [
     ("/test", &[TestV1::SCHEMA]),
@@ -107,12 +125,6 @@ fn place_fault(raw: &RawRecord) -> Option<String> {
 fn content_fault(artifact: &Artifact, raw: &RawRecord) -> Option<String> {
     let fault = match raw.schema.as_str() {
         TestV1::SCHEMA => test_fault(artifact, artifact.decode(raw).ok()?),
-        StateSpaceV1::SCHEMA => shape_fault(&artifact.decode(raw).ok()?),
-        TransferFunctionV1::SCHEMA => {
-            let model: TransferFunctionV1 = artifact.decode(raw).ok()?;
-            let first = model.denominator.first().copied();
-            (first != Some(1.0)).then(|| format!("the denominator starts with {first:?}, expected 1"))
-        }
         _ => None,
     };
     fault.map(|fault| format!("topic {}: {fault}", raw.topic))
@@ -129,23 +141,4 @@ fn test_fault(artifact: &Artifact, test: TestV1) -> Option<String> {
             format!("channel {:?} is listed as {}, its waveform says {quantity}", channel.id, channel.quantity)
         })
     })
-}
-
-fn shape_fault(model: &StateSpaceV1) -> Option<String> {
-    let order = model.a.len();
-    let columns = |rows: &[Vec<f64>]| rows.first().map_or(0, Vec::len);
-    let (inputs, outputs) = (columns(&model.b), model.c.len());
-    let parts = [
-        ("a", &model.a, order, order),
-        ("b", &model.b, order, inputs),
-        ("c", &model.c, outputs, order),
-        ("d", &model.d, outputs, inputs),
-    ];
-    for (name, matrix, rows, columns) in parts {
-        if matrix.len() != rows || matrix.iter().any(|row| row.len() != columns) {
-            let lengths = matrix.iter().map(|row| row.len().to_string()).collect::<Vec<_>>().join(", ");
-            return Some(format!("{name} has rows of [{lengths}] numbers, expected {rows} of {columns}"));
-        }
-    }
-    (model.sample_time_s < 0.0).then(|| format!("sample_time_s is {}, expected 0 or more", model.sample_time_s))
 }

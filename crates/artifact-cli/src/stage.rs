@@ -14,9 +14,10 @@ use crumple_artifact::{
     Artifact, ArtifactBuilder, Compression, OutputKind, SCHEMAS, Wave, refuse_named_pipe, write_atomically,
 };
 use crumple_signal::value::Length;
+use crumple_stage::joints::{Contradiction, contradictions, invariant, invariants};
 use crumple_stage::{
     ExitStatus, Program, Refused, Usage, artifacts_of_a_run, columns, keep_budget, labelled, nearest, printable,
-    program, refuse_to_overwrite, run_tool, say, to_stdout,
+    program, refuse_to_overwrite, run_tool, say, to_stdout, unknown_name, wrapped,
 };
 
 /// Shows and checks artifacts (the *.mcap files of a run), unpacks them into plain files and packs plain files into an
@@ -69,11 +70,19 @@ enum Command {
         #[arg(long, value_name = "LENGTH")]
         to: Option<Length>,
     },
-    /// Reads artifacts whole and says whether they are sound: checksums, digest, every record and sample.
+    /// Reads artifacts whole and says whether they are sound: checksums, digest, every record and sample, and whether
+    /// what they say contradicts itself, or each other in a run.
     Check {
-        /// The artifacts.
-        #[arg(required = true, value_name = "FILE")]
+        /// Folders of runs, or artifacts.
+        #[arg(required = true, value_name = "RUN|FILE")]
         files: Vec<PathBuf>,
+    },
+    /// Prints what the code behind a warning or an error means, such as CR203: what was found, how it is decided, what
+    /// it means, what to do.
+    Explain {
+        /// Code, and before it the folder of a run for what was found there: `crumple explain RUN CR203`.
+        #[arg(required = true, num_args = 1..=2, value_name = "[RUN] CODE")]
+        words: Vec<PathBuf>,
     },
     /// Writes an artifact as plain files: records.ndjson, waves.ndjson with raw little-endian f64 files,
     /// provenance.json.
@@ -115,6 +124,10 @@ fn run(args: Args) -> anyhow::Result<ExitStatus> {
         Command::Notes { paths } => notes(&paths),
         Command::Curve { file, candidate, format, to } => curve(&file, candidate.as_deref(), format, to),
         Command::Check { files } => check_files(&files),
+        Command::Explain { words } => {
+            let (code, run) = words.split_last().context("a code is asked for")?;
+            explain(&code.to_string_lossy(), run.first().map(PathBuf::as_path))
+        }
         Command::Unpack { file, folder, force, quiet } => unpack(&file, &folder, force, quiet),
         Command::Pack { source, file, zstd, quiet } => pack(&source, &file, zstd, quiet),
     }
@@ -202,41 +215,70 @@ fn curve(path: &Path, candidate: Option<&str>, format: CurveFormat, to: Option<L
     Ok(ExitStatus::Done)
 }
 
+/// Checks files by themselves, and the artifacts of a run folder against each other too.
 fn check_files(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
     let mut status = ExitStatus::Done;
     for path in paths {
-        keep_budget(std::slice::from_ref(path), ExitStatus::Refused);
-        let faults = match Artifact::open(path) {
-            Err(error) => vec![error.to_string()],
-            Ok(artifact) => match check(&artifact) {
-                Err(faults) => faults,
-                Ok(ok) => {
-                    let foreign = match ok.foreign {
-                        0 => String::new(),
-                        n => format!(" ({n} of other projects, not decoded)"),
-                    };
-                    let line = format!(
-                        "{}: ok: {} records{foreign}, {} waves, {} samples, digest {}\n",
-                        path.display(),
-                        ok.records,
-                        ok.waves,
-                        ok.samples,
-                        ok.digest
-                    );
-                    to_stdout(printable(&line).as_bytes())?;
-                    continue;
+        let files = if path.is_dir() { artifacts_of_a_run(path)? } else { vec![path.clone()] };
+        keep_budget(&files, ExitStatus::Refused);
+        let mut artifacts = Vec::new();
+        for file in files {
+            let (faults, line) = match Artifact::open(&file) {
+                Err(error) => (vec![error.to_string()], None),
+                Ok(artifact) => {
+                    let checked = check(&artifact);
+                    artifacts.push(artifact);
+                    match checked {
+                        Err(faults) => (faults, None),
+                        Ok(ok) => (Vec::new(), Some(ok.line(&file))),
+                    }
                 }
-            },
-        };
-        status = ExitStatus::Refused;
-        let name = path.display().to_string();
-        for fault in faults {
-            // Errors of the reader name the file themselves.
-            let fault = if fault.contains(&name) { fault } else { format!("{name}: {fault}") };
-            say(format_args!("error: {fault}"));
+            };
+            if let Some(line) = line {
+                to_stdout(printable(&line).as_bytes())?;
+            } else {
+                status = ExitStatus::Refused;
+            }
+            let name = file.display().to_string();
+            for fault in faults {
+                // Errors of the reader name the file themselves.
+                let fault = if fault.contains(&name) { fault } else { format!("{name}: {fault}") };
+                say(format_args!("error: {fault}"));
+            }
+        }
+        for found in contradictions(&artifacts) {
+            if found.ends_the_run {
+                status = ExitStatus::Refused;
+            }
+            say(found.in_lines(&artifacts));
         }
     }
     Ok(status)
+}
+
+/// Prints what a code means: found, decided how, what it means, what to do; with a run what it found there.
+fn explain(code: &str, run: Option<&Path>) -> anyhow::Result<ExitStatus> {
+    let Some(row) = invariant(code) else {
+        let codes: Vec<&str> = invariants().map(|row| row.code).collect();
+        return Err(unknown_name(&format!("no remark has the code {code:?}"), code, &codes));
+    };
+    let mut paragraphs = vec![format!("{}: {}", row.code, row.explanation[0])];
+    if let Some(run) = run {
+        let artifacts = artifacts_of_a_run(run)?.iter().map(|path| open(path)).collect::<Result<Vec<_>, _>>()?;
+        let here: Vec<_> = contradictions(&artifacts).into_iter().filter(|found| found.code == row.code).collect();
+        let told = |found: &Contradiction| format!("Here: {} ({}).", found.text, found.stage);
+        paragraphs.extend(here.iter().map(told));
+        if here.is_empty() {
+            paragraphs.push(format!("Here: nothing of that in {}.", run.display()));
+        }
+    }
+    let [_, decided, means, remedy] = row.explanation;
+    paragraphs.push(format!("How it is decided. {decided}"));
+    paragraphs.push(format!("What it means. {means}"));
+    paragraphs.push(format!("What to do: {remedy}."));
+    let lines: Vec<String> = paragraphs.iter().map(|text| wrapped(text, columns()).join("\n") + "\n").collect();
+    to_stdout(printable(&lines.join("\n")).as_bytes())?;
+    Ok(ExitStatus::Done)
 }
 
 fn unpack(path: &Path, target: &Path, force: bool, quiet: bool) -> anyhow::Result<ExitStatus> {

@@ -1,18 +1,17 @@
-//! The command line: options, the stages with their programs, the pipeline file.
+//! The command line: options, the stages of a run, the pipeline file.
 
-use std::env::consts::EXE_SUFFIX;
 use std::ffi::OsString;
+use std::fs;
 use std::ops::Deref;
 use std::path::{Path, PathBuf, is_separator};
 use std::str::FromStr;
-use std::sync::OnceLock;
-use std::{env, fs, process};
 
 use anyhow::Context;
-use clap::{Arg, CommandFactory};
-use crumple_stage::{Call, ChainStage, Usage, by_way, chain, program};
+use clap::CommandFactory;
+use crumple_stage::{Call, ChainStage, Usage, by_way, chain};
 
 use crate::names::{PIPELINE_OF_A_RUN, folder_of_record};
+use crate::program::{Commands, NamedPrograms, Program};
 
 // The command line of `crumple-run`.
 
@@ -20,9 +19,9 @@ use crate::names::{PIPELINE_OF_A_RUN, folder_of_record};
 ///
 /// Options of other stages than the first are --set STAGE.OPTION=VALUE. Results stand in runs/RECORD/PIPELINE.
 ///
-/// Which stage reads and writes what stands in `pipelines/chain`. CRUMPLE_FILTER in the environment is the command of
-/// the stage filter where it is not the program of the project, and so on; it is started as `COMMAND INPUT...
-/// --pipeline FILE -o OUTPUT`. A stage whose result is up to date leaves it alone; all that was made from an old
+/// Which stage reads and writes what stands in `pipelines/chain`. --stage filter=COMMAND, or CRUMPLE_FILTER in the
+/// environment, is the command of the stage filter where it is not the program of the project, and so on; it is started
+/// as `COMMAND INPUT... --pipeline FILE -o OUTPUT`. A stage whose result is up to date leaves it alone; all that was made from an old
 /// result is removed before a new one appears.
 #[derive(Debug, clap::Parser)]
 #[command(
@@ -63,6 +62,9 @@ pub struct Options {
     pub(crate) set: Vec<String>,
 
     #[command(flatten)]
+    pub(crate) programs: NamedPrograms,
+
+    #[command(flatten)]
     pub(crate) of_all: OfAllStages,
 
     /// The record, and flags of the stage that reads it: `crash.csv --mass 873kg --impact-speed 35km/h`.
@@ -90,6 +92,11 @@ impl OfAllStages {
     }
 }
 
+/// How a person has a run write into another folder.
+pub(crate) fn elsewhere() -> &'static str {
+    by_way("just out=DIR run RECORD", "crumple run RECORD --out DIR")
+}
+
 /// A call with its own flags first, then `--`, what is no flag, and the flags of stages; one that has `--` is that
 /// already. `stage` is what its flags are told by; without it the word behind a flag belongs to it.
 pub(crate) fn sorted<C: CommandFactory>(call: &Call, stage: Option<&clap::Command>) -> Call {
@@ -102,7 +109,7 @@ pub(crate) fn sorted<C: CommandFactory>(call: &Call, stage: Option<&clap::Comman
         ("--memory-limit", true),
     ];
     let takes_value = |command: &clap::Command, flag: &str| {
-        let is_meant = |arg: &&Arg| match flag.strip_prefix("--") {
+        let is_meant = |arg: &&clap::Arg| match flag.strip_prefix("--") {
             Some(long) => arg.get_long() == Some(long),
             None => arg.get_short().is_some_and(|short| flag.strip_prefix('-') == Some(short.encode_utf8(&mut [0; 4]))),
         };
@@ -143,21 +150,22 @@ pub(crate) fn named<C: CommandFactory>(call: &Call, stage: Option<&clap::Command
 }
 
 impl Options {
-    /// Takes the options set behind `--` from among the flags of the first stage, and hands its own flags on.
-    pub(crate) fn take_set(&mut self) -> Result<(), Usage> {
+    /// Takes the options set, and the programs named, behind `--` from among the flags of the first stage, and hands its
+    /// own flags on.
+    pub(crate) fn take_own(&mut self) -> Result<(), Usage> {
         self.of_all.add_to(&mut self.flags);
-        if self.again.is_some() {
-            return Ok(());
-        }
+        let own = [("--set", "STAGE.OPTION=VALUE", &mut self.set), ("--stage", "STAGE=COMMAND", &mut self.programs.stage)];
+        let mut own = own.into_iter().skip(usize::from(self.again.is_some())).collect::<Vec<_>>();
         let mut words = std::mem::take(&mut self.record).into_iter();
         while let Some(word) = words.next() {
-            match word.to_str().and_then(|text| text.strip_prefix("--set")) {
-                Some("") => {
-                    let typed = words.next().and_then(|word| word.into_string().ok());
-                    self.set.push(typed.ok_or_else(|| Usage::new("--set needs STAGE.OPTION=VALUE behind it"))?);
+            let text = word.to_str().unwrap_or_default();
+            let (flag, value) = text.split_once('=').map_or((text, None), |(flag, value)| (flag, Some(value)));
+            match own.iter_mut().find(|(name, _, _)| *name == flag) {
+                Some((name, form, taken)) => {
+                    let typed = value.map(str::to_owned).or_else(|| words.next()?.into_string().ok());
+                    taken.push(typed.ok_or_else(|| Usage::new(format!("{name} needs {form} behind it")))?);
                 }
-                Some(typed) if typed.starts_with('=') => self.set.push(typed[1..].to_owned()),
-                _ => self.record.push(word),
+                None => self.record.push(word),
             }
         }
         Ok(())
@@ -251,130 +259,6 @@ impl Pipeline {
     }
 }
 
-// The program of a stage.
-
-/// The program of a stage with flags of its own.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Program {
-    /// As it was typed.
-    pub(crate) typed: String,
-    /// Its words but the first.
-    pub(crate) flags: Vec<String>,
-    /// The file that is started.
-    pub(crate) file: PathBuf,
-    /// Whether it is that of the project, under whatever name.
-    pub(crate) is_own: bool,
-    /// The stage that it is of.
-    pub(crate) stage: &'static str,
-}
-
-impl Program {
-    /// That of a stage. Errors: there is no such program, or it is one of the project with a flag of its own, or one of
-    /// every stage, that makes it print and compute nothing, while an old result passes for its own.
-    pub(crate) fn of_stage(stage: &'static str, flags: &Words) -> Result<Self, Usage> {
-        let found = Self::find(stage, typed_command(stage))?;
-        let place = format!("the command of the stage {stage}");
-        for (place, words) in [(place.as_str(), &found.flags), ("flags", &flags.0)] {
-            if let Some(flag) = request_for_information(words.iter()).filter(|_| found.is_own) {
-                let own = program(stage);
-                let problem = format!("{flag} in {place}: {own} would print and compute nothing; nothing was run");
-                return Err(Usage::new(problem).hint(format!("call the program by itself: {own} {flag}")));
-            }
-        }
-        Ok(found)
-    }
-
-    fn find(stage: &'static str, typed: String) -> Result<Self, Usage> {
-        let refused = |problem: String| Usage::new(format!("{problem}; nothing was run"));
-        let words: Words =
-            typed.parse().map_err(|error| refused(format!("the command of the stage {stage}: {error}: {typed}")))?;
-        let Some((first, flags)) = words.split_first() else {
-            return Err(refused(format!("the command of the stage {stage} is empty"))
-                .hint(format!("leave {}= out for the program of the project", stage.replace('-', "_"))));
-        };
-        if held(stage).is_some() && *first == format!("crumple-{stage}") {
-            return Ok(Self { flags: flags.to_vec(), file: own_program(stage), is_own: true, stage, typed });
-        }
-        let file = find(first).ok_or_else(|| {
-            refused(format!("{first}: no such program")).hint(match first.starts_with(".venv/") {
-                true => "scripts/setup.sh test makes the Python environment .venv".to_owned(),
-                false => format!("it is the command of the stage {stage}; for what only a shell can do: sh -c '...'"),
-            })
-        })?;
-        let is_own = matches!((file.canonicalize(), own_program(stage).canonicalize()), (Ok(a), Ok(b)) if a == b);
-        Ok(Self { flags: flags.to_vec(), file, is_own, stage, typed })
-    }
-}
-
-/// The stages that this process holds itself.
-static HELD: OnceLock<&[crumple_stage::Program]> = OnceLock::new();
-
-/// From now on these stages run in this process, and this program stands for all others of the project too: it takes
-/// their name as its first word.
-pub fn hold(stages: &'static [crumple_stage::Program]) {
-    HELD.get_or_init(|| stages);
-}
-
-/// A stage that runs in this process.
-pub(crate) fn held(stage: &str) -> Option<&'static crumple_stage::Program> {
-    HELD.get()?.iter().find(|program| program.name == stage)
-}
-
-/// Whether this program holds the stages.
-pub(crate) fn is_one_program() -> bool {
-    HELD.get().is_some()
-}
-
-/// A program of the project: beside this one, unless this one stands for it.
-pub(crate) fn own_program(name: &str) -> PathBuf {
-    let this = env::current_exe().unwrap_or_default();
-    if is_one_program() { this } else { this.with_file_name(format!("crumple-{name}{EXE_SUFFIX}")) }
-}
-
-/// Starts a program of the project as a process.
-pub(crate) fn own_command(name: &str) -> process::Command {
-    let mut command = process::Command::new(own_program(name));
-    command.args(is_one_program().then_some(name));
-    command
-}
-
-/// How a person has a run write into another folder.
-pub(crate) fn elsewhere() -> &'static str {
-    by_way("just out=DIR run RECORD", "crumple run RECORD --out DIR")
-}
-
-/// The command of a stage as typed: `CRUMPLE_PARAMETER_SOLVE` in the environment, else the program of the project.
-fn typed_command(stage: &str) -> String {
-    let variable = format!("CRUMPLE_{}", stage.to_ascii_uppercase().replace('-', "_"));
-    env::var_os(variable).map_or_else(|| format!("crumple-{stage}"), |typed| typed.to_string_lossy().into_owned())
-}
-
-/// The commands of all stages as they were typed.
-pub(crate) fn typed_commands() -> Vec<String> {
-    chain().map(|stage| typed_command(stage.name)).collect()
-}
-
-/// A program of the project is beside this one; any other is where a shell would look.
-fn find(word: &str) -> Option<PathBuf> {
-    if word.contains(is_separator) {
-        return Some(PathBuf::from(word)).filter(|path| is_program(path));
-    }
-    let own = word.strip_prefix("crumple-").map(own_program);
-    let folders = env::var_os("PATH").unwrap_or_default();
-    let in_path =
-        env::split_paths(&folders).flat_map(|folder| [folder.join(word), folder.join(format!("{word}{EXE_SUFFIX}"))]);
-    own.into_iter().chain(in_path).find(|path| !word.is_empty() && is_program(path))
-}
-
-/// Whether it is a file that the system would start, as far as its permissions tell.
-fn is_program(path: &Path) -> bool {
-    #[cfg(unix)]
-    let may_run = |found: &fs::Metadata| std::os::unix::fs::PermissionsExt::mode(&found.permissions()) & 0o111 != 0;
-    #[cfg(not(unix))]
-    let may_run = |_: &fs::Metadata| true;
-    fs::metadata(path).is_ok_and(|found| found.is_file() && may_run(&found))
-}
-
 // The stages of a run.
 
 /// Stands for the record and the flags after it among the inputs of a stage.
@@ -419,13 +303,14 @@ pub(crate) fn chain_of(options: &Options) -> impl Iterator<Item = ChainStage> {
 pub(crate) fn stages_of(
     options: &Options,
     pipeline: &crumple_stage::Pipeline,
+    commands: &Commands,
 ) -> anyhow::Result<(Vec<Stage>, Vec<&'static str>)> {
     let again = options.again.is_some();
     let in_use = |stage: &ChainStage| again || !stage.is_optional || pipeline.table(stage.name).is_some();
     let (used, others): (Vec<ChainStage>, Vec<ChainStage>) = chain_of(options).partition(in_use);
     let left_out: Vec<&str> = others.into_iter().flat_map(|stage| stage.outputs).collect();
     let with_program = |stage: ChainStage| -> anyhow::Result<Stage> {
-        let program = Program::of_stage(stage.name, &options.flags)?;
+        let program = commands.program(stage.name, &options.flags)?;
         let mut inputs: Vec<&str> = stage.inputs.into_iter().filter(|input| !left_out.contains(input)).collect();
         if again && stage.name == FIRST_AGAIN {
             inputs.push(RECORD);
@@ -554,25 +439,6 @@ mod tests {
             ("-h", "-h"),
         ] {
             assert_eq!(words(typed), sorted);
-        }
-    }
-
-    #[test]
-    fn programs_are_found_in_path_and_by_path_and_no_shell_is_guessed() {
-        let found = |typed: &str| Program::find("identify", typed.to_owned()).map_err(|error| error.to_string());
-        let shell = found("sh -c 'exit 3'").unwrap();
-        assert_eq!((shell.flags, shell.is_own), (vec!["-c".to_owned(), "exit 3".to_owned()], false));
-        assert!(shell.file.ends_with("sh") && found("/bin/sh").is_ok());
-        for (typed, problem) in [
-            ("no-such-program --flag", "no-such-program: no such program"),
-            ("/etc/passwd", "/etc/passwd: no such program"),
-            ("ulimit -v 8000000; x/crumple-identify", "ulimit: no such program"),
-            ("A=1 sh", "A=1: no such program"),
-            ("'' x", ": no such program"),
-            (" ", "the command of the stage identify is empty"),
-            ("sh 'x", "the command of the stage identify: missing closing quote: sh 'x"),
-        ] {
-            assert_eq!(found(typed), Err(format!("{problem}; nothing was run")), "{typed}");
         }
     }
 

@@ -27,6 +27,7 @@ mod folder {
 }
 mod messages;
 mod names;
+mod program;
 mod run;
 mod steps;
 mod table;
@@ -42,8 +43,8 @@ use std::path::Path;
 
 use crumple_stage::{Call, ExitStatus, Program, run_tool};
 
-pub use command::hold;
 use command::{Options, named, sorted};
+pub use program::hold;
 use together::joint_run::TogetherOptions;
 
 /// `crumple-run`: one record.

@@ -9,8 +9,8 @@ use crumple_artifact::Artifact;
 use crumple_artifact::records::TestV1;
 use crumple_stage::{ExitStatus, Pipeline, by_way, chain, say};
 
-use crate::command::Program;
 use crate::folder::content::is_artifact;
+use crate::program::Program;
 use crate::steps::{Unforeseen, signal_name};
 
 // Which options differ from those of the run before.

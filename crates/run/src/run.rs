@@ -8,9 +8,7 @@ use anyhow::Context;
 use crumple_artifact::remove_in_order;
 use crumple_stage::{ExitStatus, Usage, by_way, chain, memory_limit_flag, say};
 
-use crate::command::{
-    Options, Pipeline, Program, Stage, Words, chain_of, dependents, is_one_program, own_command, own_program, stages_of,
-};
+use crate::command::{Options, Pipeline, Stage, Words, chain_of, dependents, stages_of};
 use crate::folder::content::{
     PipelineOfRun, folder_of_new_results, pipeline_before, refuse_files_of_others, state_of, sweep, written,
 };
@@ -19,7 +17,8 @@ use crate::messages::{
     say_what_changed, say_what_failed, say_what_is_replaced, say_which_stage_failed, suggest_stage_of_flag,
 };
 use crate::names::{PIPELINE_OF_A_RUN, place_of_record};
-use crate::steps::{StageExit, arguments, install_outputs, run_program, start};
+use crate::program::{is_one_program, own_command, own_program};
+use crate::steps::{StageExit, arguments, contradicts, install_outputs, run_program, start};
 use crate::together::joint_run::{INTEGRATED, SOLVED};
 
 /// Runs all stages. Exit code 4 of a stage (no acceptable result, diagnosis written) does not stop the run: the report
@@ -28,7 +27,7 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
     if let Some(limit) = memory_limit_flag() {
         options.flags.0.push(limit);
     }
-    options.take_set()?;
+    options.take_own()?;
     if options.again.is_none() && options.record.first().is_none_or(|r| r.as_encoded_bytes().starts_with(b"-")) {
         let form = by_way("just run RECORD [flags of crumple-ingest]", "crumple run RECORD [flags of crumple ingest]");
         return Err(Usage::new(format!("the record comes first: {form}")).into());
@@ -41,7 +40,7 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
     }
     let (pipeline, path) = pipeline_and_folder(&options)?;
     let mut composed = pipeline.read(&options.project, &options.set)?;
-    let (stages, left_out) = stages_of(&options, &composed)?;
+    let (stages, left_out) = stages_of(&options, &composed, &options.programs.commands()?)?;
     let outputs = || chain().flat_map(|stage| stage.outputs);
     note_run(&mut composed, &options, &pipeline, &stages);
     let folder = locked(&options, path)?;
@@ -90,6 +89,7 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
                 run.suggest_stage_of_flag(number, failure);
                 return run.failed(failure, before_it);
             }
+            StageExit::Contradicts => return run.failed(ExitStatus::Refused, before_it),
             StageExit::Unforeseen(failure) => {
                 say_what_failed((stage.name, &stage.outputs), &stage.program, failure, Some(run.folder.path()));
                 return run.failed(ExitStatus::Failure, before_it);
@@ -201,6 +201,7 @@ fn predict_joint(made: &Path, options: &Options) -> anyhow::Result<ExitStatus> {
     let mut arguments: Vec<OsString> = vec!["--again".into(), made.into(), "--project".into()];
     arguments.push(options.project.clone().into());
     arguments.extend(["--pipeline".into(), OsString::from(&options.pipeline)]);
+    arguments.extend(options.programs.arguments());
     arguments.extend(["--flags".into(), options.flags.to_string().into(), "--".into()]);
     arguments.extend_from_slice(&options.record);
     let together = own_program("together");
@@ -221,7 +222,7 @@ fn remove_left_out(folder: &Path, left_out: &[&str], stages: &[Stage]) -> anyhow
 /// What the first stage prints about itself or the record, in place of a run.
 fn information(options: &Options) -> anyhow::Result<ExitStatus> {
     let Some(first) = chain_of(options).next() else { return Ok(ExitStatus::Done) };
-    let program = Program::of_stage(first.name, &Words::default())?;
+    let program = options.programs.commands()?.program(first.name, &Words::default())?;
     Ok(match start(&program, &options.record, &[])? {
         StageExit::WithResult(status) => status,
         StageExit::Failed(failure) => {
@@ -230,6 +231,7 @@ fn information(options: &Options) -> anyhow::Result<ExitStatus> {
             }
             failure
         }
+        StageExit::Contradicts => ExitStatus::Refused,
         StageExit::Unforeseen(failure) => {
             say_what_failed((first.name, &first.outputs), &program, failure, None);
             ExitStatus::Failure
@@ -331,7 +333,10 @@ impl Run<'_> {
         }
         let output = new.join(stage.output());
         let ending = start(&stage.program, &self.arguments(stage, &output), &self.options.flags)?;
-        let ending = ending.checked(&new, &stage.outputs);
+        let mut ending = ending.checked(&new, &stage.outputs);
+        if matches!(ending, StageExit::WithResult(_)) && stage.writes_an_artifact() && contradicts(stage, &new, folder) {
+            ending = StageExit::Contradicts;
+        }
         if matches!(ending, StageExit::WithResult(_)) {
             install_outputs(&new, folder, &stage.outputs, &dependents)
                 .with_context(|| format!("the result of {} cannot be moved to {}", stage.name, folder.display()))?;

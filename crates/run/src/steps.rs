@@ -8,12 +8,14 @@ use std::process::Command;
 use std::{env, panic, process};
 
 use anyhow::Context;
-use crumple_artifact::remove_in_order;
-use crumple_stage::{Call, ExitStatus, IN_RUN, Way, say};
+use crumple_artifact::{Artifact, remove_in_order};
+use crumple_stage::joints::{Contradiction, contradictions};
+use crumple_stage::{Call, ExitStatus, IN_RUN, Way, chain, program, say};
 
-use crate::command::{Program, RECORD, Stage, held};
+use crate::command::{RECORD, Stage};
 use crate::folder::content::{Content, content_of, is_artifact};
 use crate::folder::lock::LockedFolder;
+use crate::program::{Program, held};
 
 // How a stage ended.
 
@@ -24,6 +26,8 @@ pub(crate) enum StageExit {
     WithResult(ExitStatus),
     /// Without a result, by an exit code that says so: 1, 2 or 3.
     Failed(ExitStatus),
+    /// With a result that contradicts itself, or what it was made from: what contradicts was said.
+    Contradicts,
     /// In a way that the contract of a stage does not know.
     Unforeseen(Unforeseen),
 }
@@ -69,6 +73,7 @@ impl StageExit {
     pub(crate) fn status_of(self, program: &Path) -> ExitStatus {
         match self {
             Self::WithResult(status) | Self::Failed(status) => status,
+            Self::Contradicts => ExitStatus::Refused,
             Self::Unforeseen(_) => {
                 say(format_args!("error: {} ended in an unforeseen way", program.display()));
                 ExitStatus::Failure
@@ -177,6 +182,23 @@ pub(crate) fn arguments(
     }
     arguments.extend(["--pipeline".into(), pipeline.to_owned(), "-o".into(), output]);
     arguments
+}
+
+/// Says what a new artifact of a program from elsewhere contradicts, itself or those in the run folder that its stage
+/// reads, and returns whether nothing can be made from it. Damage of the file is said by who reads it.
+pub(crate) fn contradicts(stage: &Stage, new: &Path, folder: &Path) -> bool {
+    let before = chain().take_while(|earlier| earlier.name != stage.name);
+    let before = before.filter_map(|earlier| earlier.outputs.first().map(|name| folder.join(name)));
+    let files = before.chain([new.join(stage.output())]);
+    let artifacts: Vec<Artifact> = files.filter_map(|file| Artifact::open(&file).ok()).collect();
+    let found = contradictions(&artifacts).into_iter().filter(|found| found.ends_the_run && found.stage == stage.name);
+    let found: Vec<Contradiction> = found.collect();
+    for contradiction in &found {
+        say(format_args!("error: {}: {} [{}]", stage.output(), contradiction.text, contradiction.code));
+        say(format_args!("  written by: {}", stage.program.typed));
+        say(format_args!("  hint: {}; {} explains it", contradiction.remedy, program(&format!("artifact explain {}", contradiction.code))));
+    }
+    !found.is_empty()
 }
 
 // Taking over what a program from elsewhere wrote.

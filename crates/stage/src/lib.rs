@@ -19,7 +19,9 @@ mod command_line {
     pub mod pipeline;
     pub mod pipeline_file;
 }
+mod environment;
 mod error;
+pub mod joints;
 mod names;
 mod process;
 mod terminal;
@@ -33,6 +35,7 @@ pub use command_line::left_out::LeftOut;
 pub use command_line::pipeline::pipeline_table;
 pub use command_line::pipeline_file::Pipeline;
 pub use crumple_artifact::{Artifact, InputDigest, Record, Wave, records};
+pub use environment::{refuse_unknown_variables, variable_of, variables};
 pub use error::{ExitStatus, MissingTopic, RefuseExt, Refused, Usage, unknown_name};
 pub use names::{ChainStage, chain, errors_in_words, nearest, told_apart};
 pub use process::{Call, Outcome, Program, Stage, run_stage, run_tool};

@@ -6,6 +6,7 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use crumple_signal::QuantityKind;
+use crumple_signal::unit::signal_unit;
 use mcap::McapError;
 use mcap::records::{self, MessageHeader, Record as McapRecord, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
@@ -376,6 +377,9 @@ impl<'a> Scan<'a> {
         let test: Option<TestV1> = artifact.record("/test").ok().flatten();
         for (id, (assembler, topic)) in self.waves {
             let quantity = wave_quantity(&id, &topic.metadata, test.as_ref());
+            if let Some(problem) = unit_fault(quantity, &topic.metadata) {
+                return Err(ReadError::Message { path: artifact.path, topic: topic.name, problem });
+            }
             let sampled = assembler.finish().map_err(|problem| ReadError::Message {
                 path: artifact.path.clone(),
                 topic: topic.name.clone(),
@@ -441,6 +445,13 @@ impl<'a> Scan<'a> {
             other => self.corrupt(format!("the record after {}", self.last), other.to_string()),
         }
     }
+}
+
+/// What is wrong with the unit that the metadata of a waveform state: samples are SI.
+fn unit_fault(quantity: QuantityKind, metadata: &BTreeMap<String, String>) -> Option<String> {
+    let unit = metadata.get("unit").filter(|_| quantity != QuantityKind::Other)?;
+    let is_si = unit.is_empty() || signal_unit(unit) == Some((quantity, 1.0)) || unit == quantity.si_unit();
+    (!is_si).then(|| format!("the unit of the samples is {unit:?}, {quantity} is stored in {:?}", quantity.si_unit()))
 }
 
 fn wave_quantity(id: &str, metadata: &BTreeMap<String, String>, test: Option<&TestV1>) -> QuantityKind {

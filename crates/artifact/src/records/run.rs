@@ -1,5 +1,7 @@
 //! Records any stage may write: its notes, what speaks against its result, and the diagnosis of a run without one.
 
+use std::collections::BTreeMap;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -59,6 +61,27 @@ impl ConcernV1 {
     pub fn is_no_result(&self) -> bool {
         self.severity == SeverityV1::NoResult
     }
+}
+
+// What a run says, as a program reads it.
+
+/// One remark of a run: a code with values, and the sentence made from them.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct RemarkV1 {
+    /// Stable name of what is said, e.g. `CR203`; `crumple explain CR203` says what it means.
+    pub code: String,
+    /// The stage whose result it is about.
+    pub stage: String,
+    /// What it concerns, as in [`ConcernV1`].
+    pub about: String,
+    /// How much it changes there, 1 to 3, as in [`ConcernV1`] of a stage.
+    pub weight: u8,
+    /// The numbers of the sentence; names carry units.
+    pub values: BTreeMap<String, f64>,
+    /// One sentence.
+    pub text: String,
+    /// One thing to do about it.
+    pub remedy: Option<String>,
 }
 
 // Record: why a run has no acceptable result.

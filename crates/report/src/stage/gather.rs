@@ -14,6 +14,7 @@ use crumple_artifact::records::{
     StateSpaceV1, TestV1, TestsV1, TransferFunctionV1,
 };
 use crumple_signal::{About, Channel, Note, QuantityKind, Sampled, TestDescription, Weight};
+use crumple_stage::joints::{Contradiction, contradictions};
 use crumple_stage::{Inputs, Refused, program};
 
 /// Everything the artifacts say that a report shows. What none of them holds is named in [`Run::missing`].
@@ -54,7 +55,10 @@ pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
     run.candidates = candidates(inputs, &simulations)?;
     run.provenance = inputs.artifacts().iter().map(stage_record).collect();
     collect_notes(inputs, &mut run)?;
+    let found = contradictions(inputs.artifacts());
+    run.remarks = found.iter().map(Contradiction::remark).collect();
     run.concerns = concerns(inputs)?;
+    run.concerns.extend(found.iter().map(Contradiction::concern));
     let qualities = inputs.records::<QualityV1>("/quality/")?;
     run.clipped = qualities.into_iter().filter(|(_, q)| q.may_be_clipped()).map(|(id, _)| id).collect();
     let without_parameters = simulations.keys().filter(|id| run.candidate(id).is_none()).count();

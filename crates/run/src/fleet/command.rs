@@ -6,6 +6,8 @@ use std::str::FromStr;
 
 use crumple_stage::Usage;
 
+use crate::program::NamedPrograms;
+
 // The command line of `crumple-run`.
 
 /// Runs pipelines on many records, each into a run folder of its own, and makes tables and a page of the runs.
@@ -88,6 +90,9 @@ pub struct Options {
     /// Flags for every stage, as one would type them.
     #[arg(long, value_name = "TEXT", default_value = "", allow_hyphen_values = true)]
     pub(crate) flags: String,
+
+    #[command(flatten)]
+    pub(crate) programs: NamedPrograms,
 }
 
 /// Folder of a fleet with the style and the scripts of its pages.

@@ -39,6 +39,7 @@ pub fn fleet(options: Options) -> anyhow::Result<ExitStatus> {
 pub(crate) fn make(options: &Options) -> anyhow::Result<Fleet> {
     let started = Instant::now();
     let folder = options.folder()?;
+    options.programs.commands()?.check()?;
     let tell = |line: String| {
         if !options.quiet {
             say(line);

@@ -17,9 +17,10 @@ use crumple_stage::{Usage, say};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::{Deserialize, Serialize};
 
-use crate::command::{Pipeline, is_one_program, own_command, typed_commands};
+use crate::command::Pipeline;
 use crate::fleet::command::{Options, combinations};
 use crate::fleet::records::{Digests, Record};
+use crate::program::{Commands, is_one_program, own_command};
 use crate::steps::exit_code_of;
 
 // What is known of runs that ended: one line each, added the moment a run ends.
@@ -175,7 +176,7 @@ impl Run {
 /// The runs of all records with all pipelines and settings, in the order of the tables: by digest of the record, name
 /// of the pipeline, settings, name of the record.
 pub(crate) fn plan(records: &[Record], options: &Options) -> anyhow::Result<Vec<Run>> {
-    let programs = digest_of_programs().context("cannot read the programs")?;
+    let programs = digest_of_programs(&options.programs.commands()?).context("cannot read the programs")?;
     let settings = combinations(&options.sweeps);
     // Other pipelines may be laid over it.
     let default = fs::read(options.project.join("pipelines/default.toml")).unwrap_or_default();
@@ -299,8 +300,8 @@ const OTHERS: [&str; 7] = [
 
 /// Digest of the programs of the stages: of their commands as typed, of every file that stands in one, and of the
 /// programs of the project beside this one. A program that another one starts is not seen.
-pub(crate) fn digest_of_programs() -> io::Result<String> {
-    let commands = typed_commands();
+pub(crate) fn digest_of_programs(commands: &Commands) -> io::Result<String> {
+    let commands: Vec<&str> = commands.typed().collect();
     let words = commands.iter().flat_map(|command| command.split(|c: char| c.is_whitespace() || "'\"\\".contains(c)));
     let mut files: BTreeSet<PathBuf> = words.map(PathBuf::from).filter(|path| path.is_file()).collect();
     let own = std::env::current_exe()?;
@@ -415,6 +416,7 @@ pub(crate) fn run_record(run: &Run, fleet: &Path, options: &Options) -> anyhow::
         arguments.extend(["--flags-of-last".into(), of_report.into()]);
     }
     arguments.extend(run.settings.iter().flat_map(|setting| ["--set".into(), OsString::from(setting)]));
+    arguments.extend(options.programs.arguments());
     arguments.extend(["--".into(), OsString::from(&run.record.path)]);
     let mut command = own_command("run");
     // Runs side by side keep the cores busy; threads of one run would only be in each other's way.

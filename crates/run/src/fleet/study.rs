@@ -14,12 +14,12 @@ use crumple_stage::{ExitStatus, Refused, Usage, by_way, say};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::command::own_command;
 use crate::fleet::command::Options;
 use crate::fleet::make::make;
 use crate::fleet::regression::Study;
 use crate::fleet::runs::{Journal, JournalEntry, digest_of_programs, digest_of_summary, jobs, read_journals};
 use crate::fleet::tables::{Row, write_tables};
+use crate::program::own_command;
 use crate::steps::exit_code_of;
 use crate::table::Kind::{Count, Flag, Number, Text};
 use crate::table::{Cell, Table, columns};
@@ -188,7 +188,7 @@ impl<'a> JointFits<'a> {
         fleet: &'a Path,
         known: &'a HashMap<(String, String), JournalEntry>,
     ) -> anyhow::Result<Self> {
-        let programs = digest_of_programs().context("cannot read the programs")?;
+        let programs = digest_of_programs(&options.fleet.programs.commands()?).context("cannot read the programs")?;
         Ok(Self { options, fleet, programs, known })
     }
 
@@ -213,6 +213,7 @@ impl<'a> JointFits<'a> {
         let mut arguments: Vec<OsString> = vec!["--project".into(), self.options.fleet.project.clone().into()];
         arguments.extend(["--pipeline".into(), OsString::from(&self.options.fleet.pipelines()[0])]);
         arguments.extend(["--out".into(), OsString::from(&path)]);
+        arguments.extend(self.options.fleet.programs.arguments());
         arguments.extend(["--flags".into(), format!("-q{force}").into(), "--".into()]);
         arguments.extend(vehicle.tests.iter().map(|row| OsString::from(self.fleet.join(&row.run.folder))));
         let mut command = own_command("together");

@@ -8,10 +8,11 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use crumple_stage::{ExitStatus, Usage, by_way, say};
 
-use crate::command::{OfAllStages, Pipeline, Program, Words, own_command};
+use crate::command::{OfAllStages, Pipeline, Words};
 use crate::folder::content::{PipelineOfRun, sweep};
 use crate::folder::lock::LockedFolder;
 use crate::names::{PIPELINE_OF_A_RUN, folder_of_record};
+use crate::program::{NamedPrograms, own_command};
 use crate::steps::{StageExit, run_program, start};
 use crate::together::summary::{HeldOutTest, folder_without, left_out_of, ratio_of, remove_of_others, write_summary};
 
@@ -21,6 +22,7 @@ use crate::together::summary::{HeldOutTest, folder_without, left_out_of, ratio_o
 /// earlier run or of the steps before, each file whole. Exit code 4: no acceptable joint model.
 pub fn together(mut options: TogetherOptions) -> anyhow::Result<ExitStatus> {
     options.of_all.add_to(&mut options.flags);
+    options.programs.commands()?.check()?;
     if let Some(made) = &options.again {
         return predict_again(made, &options);
     }
@@ -181,7 +183,7 @@ impl JointRun<'_> {
     }
 
     fn step(&self, stage: &'static str, arguments: &[OsString]) -> anyhow::Result<ExitStatus> {
-        let program = Program::of_stage(stage, &self.options.flags)?;
+        let program = self.options.programs.commands()?.program(stage, &self.options.flags)?;
         Ok(start(&program, arguments, &self.options.flags)?.status_of(&program.file))
     }
 }
@@ -250,10 +252,12 @@ fn run_each(runs: &[TestRun], options: &TogetherOptions) -> anyhow::Result<Optio
         let Some(record) = &run.record else { continue };
         let mut arguments: Vec<OsString> = vec!["--project".into(), options.project.clone().into()];
         arguments.extend(["--pipeline".into(), OsString::from(&options.pipeline)]);
+        arguments.extend(options.programs.arguments());
         arguments.extend(["--flags".into(), options.flags.to_string().into(), "--".into(), record.into()]);
         let failed = match run_program(own_command("run").args(&arguments))? {
             StageExit::WithResult(_) if run.folder.join(INTEGRATED).is_file() => None,
             StageExit::WithResult(status) | StageExit::Failed(status) => Some(status),
+            StageExit::Contradicts => Some(ExitStatus::Refused),
             StageExit::Unforeseen(_) => Some(ExitStatus::Failure),
         };
         if let Some(status) = failed {
@@ -306,6 +310,9 @@ pub struct TogetherOptions {
     /// Predict again with the joint result in this folder; flags of predict follow `--`.
     #[arg(long, value_name = "FOLDER", allow_hyphen_values = true, conflicts_with = "out")]
     pub(crate) again: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) programs: NamedPrograms,
 
     #[command(flatten)]
     pub(crate) of_all: OfAllStages,

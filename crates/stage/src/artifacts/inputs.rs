@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crumple_artifact::records::{
-    ChannelFilterV1, ConcernV1, ConcernsV2, DiagnosisV1, EventsV1, MetricV1, MetricsV2, TestV1,
+    ChannelFilterV1, ConcernV1, ConcernsV2, DiagnosisV1, EventsV1, TestV1,
 };
 use crumple_artifact::{Artifact, InputDigest, ReadError, Record, Wave, same_type};
 use crumple_signal::{
@@ -13,6 +13,7 @@ use crumple_signal::{
 };
 
 use crate::error::{MissingTopic, RefuseExt, Refused, Usage};
+use crate::joints::refuse_contradictions;
 use crate::names::{artifact_of, stage_order, writer_of};
 use crate::terminal::Progress;
 
@@ -92,6 +93,7 @@ pub fn load_artifacts(paths: &[PathBuf]) -> anyhow::Result<Loaded<Inputs>> {
     let concerns = concerns.flat_map(|record| record.concerns).collect();
     let inputs = Inputs { artifacts };
     inputs.refuse_a_mixture()?;
+    refuse_contradictions(&inputs.artifacts)?;
     let test = inputs.record_if::<TestV1>("/test")?.map(Box::new);
     Ok(Loaded { input: inputs, digests, diagnosed: Diagnosed { diagnoses, concerns, test } })
 }
@@ -136,29 +138,6 @@ fn was_made_from_another(artifact: &Artifact, earlier: &Artifact) -> bool {
     of_stage.peek().is_some() && of_stage.all(|input| !input.digest.is_empty() && input.digest != earlier.digest())
 }
 
-/// How far two numbers of one crush may differ, as a share and in m: other programs may round to four digits.
-const SAME_CRUSH: (f64, f64) = (1e-3, 1e-4);
-
-/// Refuses an artifact whose events have another dynamic crush than its metrics.
-fn refuse_two_crushes(artifact: &Artifact) -> anyhow::Result<()> {
-    let events = artifact.record::<EventsV1>("/events").map_err(Refused::from)?;
-    let metrics = artifact.record::<MetricsV2>("/metrics").map_err(Refused::from)?;
-    let (Some(events), Some(metrics)) = (events, metrics) else { return Ok(()) };
-    let is_meant = |m: &&MetricV1| m.name == "dynamic_crush" && m.channel == events.channel && m.unit == "m";
-    let of_metrics = metrics.metrics.iter().find(is_meant).and_then(|metric| metric.value);
-    let (share, least_m) = SAME_CRUSH;
-    if let Some((crush, other)) = events.dynamic_crush_m.zip(of_metrics)
-        && (crush - other).abs() > (share * crush.abs().max(other.abs())).max(least_m)
-    {
-        let path = artifact.path().display();
-        return Err(Refused::new(format!("{path}: the dynamic crush is {crush} m in /events, {other} m in /metrics"))
-            .expected("one dynamic crush")
-            .hint("run the stage that wrote it again with --force")
-            .into());
-    }
-    Ok(())
-}
-
 impl Inputs {
     /// The artifacts in the order of the pipeline.
     pub fn artifacts(&self) -> &[Artifact] {
@@ -168,7 +147,6 @@ impl Inputs {
     /// Two results of one stage, results of two tests, or results that were not made from each other, cannot be meant.
     fn refuse_a_mixture(&self) -> anyhow::Result<()> {
         let name = |artifact: &Artifact| artifact.path().display().to_string();
-        self.artifacts.iter().try_for_each(refuse_two_crushes)?;
         let tests = self.artifacts.iter().map(test_in).collect::<anyhow::Result<Vec<_>>>()?;
         let source = |test: &TestV1| Some(test.source.digest.clone()).filter(|digest| !digest.is_empty());
         for (k, a) in self.artifacts.iter().enumerate() {

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use crumple_artifact::records::{
-    ConcernV1, EventsV1, FitV1, ImpactV1, IntervalSourceV1, MetricV1, ModeV1, PredictionV1, SimulationV1, UncertaintyV1,
+    ConcernV1, EventsV1, FitV1, ImpactV1, IntervalSourceV1, MetricV1, ModeV1, PredictionV1, RemarkV1, SimulationV1,
+    UncertaintyV1,
 };
 use crumple_signal::{Note, Severity};
 use schemars::JsonSchema;
@@ -82,6 +83,8 @@ pub struct Summary {
     /// What speaks against the results, gravest first. Weights go from 1 to 9: what it changes (1 to 3) times how
     /// prominently the page shows that (1 to 3).
     pub concerns: Vec<ConcernV1>,
+    /// What the results contradict each other in, with codes and values: `crumple explain CODE`.
+    pub remarks: Vec<RemarkV1>,
     /// `stage: text`.
     pub notes: Vec<String>,
     /// How many of the notes are warnings.
@@ -269,6 +272,7 @@ pub fn summary(run: &Run, ranking: &Ranking) -> Summary {
         }),
         predictions: run.predictions.clone(),
         concerns,
+        remarks: run.remarks.clone(),
         notes: run.notes.iter().map(|note| format!("{}: {}", note.stage, note.note)).collect(),
         warnings: Some(run.notes.iter().filter(is_warning).count()),
         other_channels: owned(test.channels.iter().map(|c| c.id.as_str()).filter(|id| Some(*id) != channel).collect()),

@@ -4,7 +4,7 @@ use crate::phrases::PHRASES;
 use crate::phrases::words::fill;
 use crumple_artifact::records::{
     CandidateV1, Certainty, ChannelFilterV1, ConcernV1, Doubt, EventsV1, EvidenceV1, IdentificationV1, ImpactV1,
-    MatchingV1, MetricV1, ModeV1, OtherPoleKindV1, OtherPoleV1, PredictionV1, RatedCandidateV1, RecommendationV1,
+    MatchingV1, MetricV1, ModeV1, OtherPoleKindV1, OtherPoleV1, PredictionV1, RatedCandidateV1, RecommendationV1, RemarkV1,
     ResponseV1, SelectionV1, SimulationV1, StabilizationV1, StateSpaceV1, TransferFunctionV1,
 };
 use crumple_lumped::{ParameterKind, parameter_kind};
@@ -61,6 +61,8 @@ pub struct Run {
     pub clipped: Vec<String>,
     /// What speaks against the results, as the stages wrote it, in stage order.
     pub concerns: Vec<ConcernV1>,
+    /// What the results contradict each other in, with codes and values.
+    pub remarks: Vec<RemarkV1>,
     /// Where the artifacts came from, in stage order.
     pub provenance: Vec<StageRecord>,
     /// Why a stage has a result but not what later ones work on: nothing was to be simulated.

@@ -1,0 +1,209 @@
+//! Rows of the joints of parameter-solve, simulate and predict: candidates, their curves, what they predict.
+
+use crumple_artifact::records::{CandidateV1, PredictionV1, RecommendationV1, SimulationV1, TestV1};
+use crumple_signal::About;
+
+use crate::joints::curves::value_at;
+use crate::joints::{BESIDE, Finding, Invariant, RunParts, is_outside, record, records};
+
+/// Rows of the stages.
+pub(crate) static ROWS: [Invariant; 7] = [
+    Invariant {
+        code: "CR501",
+        ends_the_run: false,
+        explanation: [
+            "The masses of a candidate do not add up to that of the test.",
+            "mass_kg, or m1_kg, m2_kg, ... of a candidate are compared with the mass of /test; 0.5 % is left.",
+            "Its stiffness is that of another vehicle: crush and forces at other speeds are wrong by the ratio.",
+            "give the program of the stage parameter-solve the mass of /test, or crumple ingest the mass of the \
+             candidate",
+        ],
+        find: masses_of_another_vehicle,
+    },
+    Invariant {
+        code: "CR502",
+        ends_the_run: true,
+        explanation: [
+            "A parameter lies outside of its own interval.",
+            BESIDE,
+            "The interval or the value is that of something else.",
+            "write the interval of the value that is written",
+        ],
+        find: parameter_outside,
+    },
+    Invariant {
+        code: "CR503",
+        ends_the_run: true,
+        explanation: [
+            "A candidate is recommended that is not there.",
+            "The ids of /recommendation are looked for below /parameters/.",
+            "Nobody can predict with it.",
+            "recommend one of the candidates that are written",
+        ],
+        find: recommends_nobody,
+    },
+    Invariant {
+        code: "CR601",
+        ends_the_run: true,
+        explanation: [
+            "The dynamic crush of a simulation is not that of its curve.",
+            "The curve is read at the stated time; 1 % and 1 mm are left.",
+            "The figure or the curve is that of something else.",
+            "read the figures off the curves that the program of the stage simulate writes",
+        ],
+        find: simulated_crush_differs,
+    },
+    Invariant {
+        code: "CR602",
+        ends_the_run: true,
+        explanation: [
+            "A simulation or a prediction is of a candidate that is not there.",
+            "Its id is looked for below /parameters/ of 5-parameter-solve.",
+            "What it was made with cannot be told.",
+            "simulate and predict with candidates of 5-parameter-solve",
+        ],
+        find: of_nobody,
+    },
+    Invariant {
+        code: "CR701",
+        ends_the_run: true,
+        explanation: [
+            "A prediction lies outside of its own interval.",
+            BESIDE,
+            "The interval or the value is that of something else.",
+            "write the interval of the value that is written",
+        ],
+        find: prediction_outside,
+    },
+    Invariant {
+        code: "CR702",
+        ends_the_run: true,
+        explanation: [
+            "Impact speed and mass of a prediction are no speed and no mass.",
+            "Both are to be above zero.",
+            "There is no such collision.",
+            "write m/s and kg, both positive, in the program of the stage predict",
+        ],
+        find: no_collision,
+    },
+];
+
+/// All masses of a candidate together, kg; `None` where it states none.
+fn total_mass(candidate: &CandidateV1) -> Option<f64> {
+    let is_numbered = |name: &str| {
+        let number = name.strip_prefix('m').and_then(|rest| rest.strip_suffix("_kg"));
+        number.is_some_and(|number| !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit()))
+    };
+    let whole = candidate.parameters.get("mass_kg").copied();
+    let parts: Vec<f64> = candidate.parameters.iter().filter(|(name, _)| is_numbered(name)).map(|(_, m)| *m).collect();
+    whole.or_else(|| (!parts.is_empty()).then(|| parts.iter().sum()))
+}
+
+fn masses_of_another_vehicle(parts: &RunParts<'_>) -> Vec<Finding> {
+    let Some(artifact) = parts.of("parameter-solve") else { return Vec::new() };
+    let Some(mass_kg) = record::<TestV1>(artifact, "/test").and_then(|test| test.mass_kg) else { return Vec::new() };
+    let of_candidates = records::<CandidateV1>(artifact, "/parameters/").filter_map(|(id, candidate)| {
+        let total = total_mass(&candidate)?;
+        ((total - mass_kg).abs() > 5e-3 * mass_kg).then(|| (id.to_owned(), total))
+    });
+    let said = |(id, total): (String, f64)| Finding {
+        stage: "parameter-solve",
+        text: format!("the masses of {id} add up to {total:.1} kg, the test has {mass_kg:.1} kg"),
+        about: About::Model(id),
+        values: vec![("candidate_kg", total), ("test_kg", mass_kg)],
+    };
+    of_candidates.map(said).collect()
+}
+
+fn parameter_outside(parts: &RunParts<'_>) -> Vec<Finding> {
+    let Some(artifact) = parts.of("parameter-solve") else { return Vec::new() };
+    for (id, candidate) in records::<CandidateV1>(artifact, "/parameters/") {
+        let Some(uncertainty) = &candidate.uncertainty else { continue };
+        for (name, value) in &candidate.parameters {
+            let end = |ends: &std::collections::BTreeMap<String, Option<f64>>| ends.get(name).copied().flatten();
+            let Some((low, high)) = end(&uncertainty.interval_low).zip(end(&uncertainty.interval_high)) else {
+                continue;
+            };
+            if is_outside(*value, low, high) {
+                let text = format!("{name} of {id} is {value:.4e}, its interval {low:.4e} to {high:.4e}");
+                let values = vec![("value", *value), ("low", low), ("high", high)];
+                return vec![Finding { stage: "parameter-solve", about: About::Model(id.to_owned()), values, text }];
+            }
+        }
+    }
+    Vec::new()
+}
+
+fn recommends_nobody(parts: &RunParts<'_>) -> Vec<Finding> {
+    let Some(artifact) = parts.of("parameter-solve") else { return Vec::new() };
+    let Some(choice) = record::<RecommendationV1>(artifact, "/recommendation") else { return Vec::new() };
+    let named = [("recommended", &choice.recommended), ("simplest", &choice.simplest), ("closest", &choice.closest)];
+    let is_there = |id: &str| artifact.records().iter().any(|raw| raw.topic.strip_prefix("/parameters/") == Some(id));
+    let absent = named.into_iter().find_map(|(what, id)| Some((what, id.as_deref().filter(|id| !is_there(id))?)));
+    let Some((what, id)) = absent else { return Vec::new() };
+    let text = format!("{id} is named as {what}, and there is no such candidate");
+    vec![Finding { stage: "parameter-solve", about: About::Model(id.to_owned()), values: Vec::new(), text }]
+}
+
+fn simulated_crush_differs(parts: &RunParts<'_>) -> Vec<Finding> {
+    let Some(artifact) = parts.of("simulate") else { return Vec::new() };
+    for (id, simulation) in records::<SimulationV1>(artifact, "/simulation/") {
+        let stated = simulation.dynamic_crush_m.zip(simulation.time_of_dynamic_crush_s);
+        let curve = artifact.waves().get(&format!("{id}/displacement"));
+        let Some(((crush_m, time_s), curve)) = stated.zip(curve) else { continue };
+        let Some(at_m) = value_at(&curve.sampled, time_s) else { continue };
+        if (at_m - crush_m).abs() <= 0.01 * crush_m.abs().max(at_m.abs()) + 1e-3 {
+            continue;
+        }
+        let text = format!(
+            "the dynamic crush of {id} is {:.0} mm, the displacement of its curve at that time {:.0} mm",
+            crush_m * 1e3,
+            at_m * 1e3
+        );
+        let values = vec![("simulated_m", crush_m), ("curve_m", at_m)];
+        return vec![Finding { stage: "simulate", about: About::Model(id.to_owned()), values, text }];
+    }
+    Vec::new()
+}
+
+fn of_nobody(parts: &RunParts<'_>) -> Vec<Finding> {
+    let Some(solved) = parts.of("parameter-solve") else { return Vec::new() };
+    let is_there = |id: &str| solved.records().iter().any(|raw| raw.topic.strip_prefix("/parameters/") == Some(id));
+    let simulated = parts.of("simulate").into_iter().flat_map(|artifact| artifact.records());
+    let simulated = simulated.filter_map(|raw| Some(("simulate", raw.topic.strip_prefix("/simulation/")?.to_owned())));
+    let predicted = parts.of("predict").into_iter();
+    let predicted = predicted.flat_map(|artifact| records::<PredictionV1>(artifact, "/prediction/"));
+    let predicted = predicted.map(|(_, prediction)| ("predict", prediction.candidate));
+    let absent = simulated.chain(predicted).find(|(_, id)| !is_there(id));
+    let Some((stage, id)) = absent else { return Vec::new() };
+    let text = format!("the stage {stage} worked with {id}, and there is no such candidate");
+    vec![Finding { stage, about: About::Model(id), values: Vec::new(), text }]
+}
+
+fn prediction_outside(parts: &RunParts<'_>) -> Vec<Finding> {
+    let Some(artifact) = parts.of("predict") else { return Vec::new() };
+    for (number, prediction) in records::<PredictionV1>(artifact, "/prediction/") {
+        let fields = serde_json::to_value(&prediction).unwrap_or_default();
+        let value = |name: &str| fields.pointer(&format!("/{}", name.replace('.', "/")))?.as_f64();
+        let stated = prediction.intervals.iter().filter_map(|i| Some((i.name.as_str(), value(&i.name)?, i.low, i.high)));
+        let Some((name, value, low, high)) = stated.into_iter().find(|(_, v, low, high)| is_outside(*v, *low, *high))
+        else {
+            continue;
+        };
+        let text = format!("{name} of prediction {number} is {value:.4}, its interval {low:.4} to {high:.4}");
+        let values = vec![("value", value), ("low", low), ("high", high)];
+        return vec![Finding { stage: "predict", about: About::Predictions, values, text }];
+    }
+    Vec::new()
+}
+
+fn no_collision(parts: &RunParts<'_>) -> Vec<Finding> {
+    let Some(artifact) = parts.of("predict") else { return Vec::new() };
+    let found = records::<PredictionV1>(artifact, "/prediction/")
+        .map(|(_, prediction)| (prediction.impact_speed_m_per_s, prediction.mass_kg))
+        .find(|(speed, mass)| !(*speed > 0.0 && *mass > 0.0));
+    let Some((speed, mass)) = found else { return Vec::new() };
+    let text = format!("a prediction is of {mass:.1} kg at {speed:.2} m/s");
+    let values = vec![("mass_kg", mass), ("speed_m_per_s", speed)];
+    vec![Finding { stage: "predict", about: About::Predictions, values, text }]
+}

@@ -1,0 +1,209 @@
+//! Rows of the joint of filter: what it made of the record.
+
+use crumple_artifact::records::{ChannelFilterV1, TestV1};
+use crumple_signal::{About, Sampled};
+
+use crate::joints::curves::{Running, delay_s, end_of, times, value_at};
+use crate::joints::{Finding, Invariant, RunParts, pulse_of, record};
+
+/// Rows of the stage.
+pub(crate) static ROWS: [Invariant; 5] = [
+    Invariant {
+        code: "CR201",
+        ends_the_run: true,
+        explanation: [
+            "The filtered pulse begins before the record does, or after contact where the record begins before it.",
+            "The first sample of /wave/PULSE is compared with that of 1-ingest, less the shift that /filter/PULSE \
+             states; one sampling interval is left.",
+            "Every time of the run is late or early by as much, and the crush with it: 20 ms at 15 m/s are 0.3 m.",
+            "keep t0_ns and dt_s of the wave in the program of the stage filter",
+        ],
+        find: begins_elsewhere,
+    },
+    Invariant {
+        code: "CR202",
+        ends_the_run: false,
+        explanation: [
+            "The filtered pulse ends before the record does.",
+            "The last samples are compared; one sampling interval of the coarser one is left.",
+            "What happens later is not in any result: rebound, delta-v and the end of contact may be missing.",
+            "write all samples of the pulse in the program of the stage filter",
+        ],
+        find: ends_early,
+    },
+    Invariant {
+        code: "CR203",
+        ends_the_run: false,
+        explanation: [
+            "The filtered pulse is late: its filter has a delay.",
+            "The cross-correlation of the pulse with the record is largest at the delay. A filter run forward and \
+             backward has none (ISO 6487 and SAE J211 ask for that); more than one sampling interval and 0.2 ms are \
+             named, since 0.2 ms at 15 m/s are 3 mm of crush.",
+            "Contact seems later than it was: the crush is too large by the impact speed times the delay.",
+            "run the filter forward and backward (filtfilt for lfilter), or take its delay off t0_ns",
+        ],
+        find: is_late,
+    },
+    Invariant {
+        code: "CR204",
+        ends_the_run: true,
+        explanation: [
+            "The filtered pulse changes the velocity by another amount than the record.",
+            "Both are integrated over the record. A low-pass filter keeps the area; what a zero level between none and \
+             that of the samples before contact changes, with three deviations of it, is left, and 3 % of the change: \
+             the ends of a filter, as ten filters of other kinds were measured.",
+            "A gain, a sign, a unit, an offset or cut samples: every number that is integrated is wrong by it.",
+            "write m/s^2 with the sign of the record, all samples, and no gain in the program of the stage filter",
+        ],
+        find: changes_the_velocity,
+    },
+    Invariant {
+        code: "CR205",
+        ends_the_run: false,
+        explanation: [
+            "Every channel that the record had is marked as failed after the filter.",
+            "The states of the channels in both /test are compared.",
+            "A channel that failed is no measurement, yet the numbers of this run are made from it.",
+            "pass the status of the channels on in the program of the stage filter",
+        ],
+        find: is_marked_as_failed,
+    },
+];
+
+/// The pulse before and after the filter, and what the filter says of it.
+struct Pulse<'a> {
+    recorded: &'a Sampled,
+    filtered: &'a Sampled,
+    shift_s: f64,
+}
+
+impl<'a> Pulse<'a> {
+    fn of(parts: &RunParts<'a>) -> Option<Self> {
+        let (ingested, made) = (parts.of("ingest")?, parts.of("filter")?);
+        let test: TestV1 = record(made, "/test").or_else(|| record(ingested, "/test"))?;
+        let id = pulse_of(&test)?;
+        let curve = |artifact: &'a crumple_artifact::Artifact| {
+            Some(&artifact.waves().get(id)?.sampled).filter(|wave| wave.len() > 1)
+        };
+        let filter: Option<ChannelFilterV1> = record(made, &format!("/filter/{id}"));
+        Some(Self {
+            recorded: curve(ingested)?,
+            filtered: curve(made)?,
+            shift_s: filter.and_then(|filter| filter.shift_s).unwrap_or(0.0),
+        })
+    }
+
+    /// The recorded samples at the times that the filter says they are of.
+    fn recorded_in_place(&self) -> Sampled {
+        let moved = self.recorded.starting_at(self.recorded.t0_s() + self.shift_s);
+        moved.unwrap_or_else(|_| self.recorded.clone())
+    }
+
+    fn coarser_s(&self) -> f64 {
+        self.recorded.dt_s().max(self.filtered.dt_s())
+    }
+}
+
+fn finding(about: About, values: Vec<(&'static str, f64)>, text: String) -> Vec<Finding> {
+    vec![Finding { stage: "filter", about, values, text }]
+}
+
+fn begins_elsewhere(parts: &RunParts<'_>) -> Vec<Finding> {
+    let Some(pulse) = Pulse::of(parts) else { return Vec::new() };
+    let (recorded_s, filtered_s) = (pulse.recorded.t0_s() + pulse.shift_s, pulse.filtered.t0_s());
+    let is_early = filtered_s < recorded_s - pulse.coarser_s();
+    let misses_contact = filtered_s > recorded_s.max(0.0) + pulse.coarser_s();
+    if !is_early && !misses_contact {
+        return Vec::new();
+    }
+    let text = format!(
+        "the filtered pulse begins at {:.1} ms, the record at {:.1} ms",
+        filtered_s * 1e3,
+        recorded_s * 1e3
+    );
+    finding(About::Time, vec![("filtered_from_s", filtered_s), ("recorded_from_s", recorded_s)], text)
+}
+
+fn ends_early(parts: &RunParts<'_>) -> Vec<Finding> {
+    let Some(pulse) = Pulse::of(parts) else { return Vec::new() };
+    let (recorded_s, filtered_s) = (end_of(pulse.recorded) + pulse.shift_s, end_of(pulse.filtered));
+    if filtered_s >= recorded_s - pulse.coarser_s() {
+        return Vec::new();
+    }
+    let text = format!(
+        "the filtered pulse ends at {:.1} ms, the record at {:.1} ms",
+        filtered_s * 1e3,
+        recorded_s * 1e3
+    );
+    finding(About::Pulse, vec![("filtered_to_s", filtered_s), ("recorded_to_s", recorded_s)], text)
+}
+
+/// Least delay that is named beside a sampling interval, s.
+const DELAY_S: f64 = 2e-4;
+
+fn is_late(parts: &RunParts<'_>) -> Vec<Finding> {
+    let Some(pulse) = Pulse::of(parts) else { return Vec::new() };
+    let Some(delay_s) = delay_s(&pulse.recorded_in_place(), pulse.filtered) else { return Vec::new() };
+    if delay_s.abs() <= pulse.coarser_s().max(DELAY_S) {
+        return Vec::new();
+    }
+    let is = if delay_s > 0.0 { "late" } else { "early" };
+    let text = format!("the filtered pulse is {:.1} ms {is} against the record", delay_s.abs() * 1e3);
+    finding(About::Pulse, vec![("delay_s", delay_s)], text)
+}
+
+/// Share of a change of velocity that the ends of a filter may alter.
+const AREA: f64 = 0.03;
+
+fn changes_the_velocity(parts: &RunParts<'_>) -> Vec<Finding> {
+    let Some(pulse) = Pulse::of(parts) else { return Vec::new() };
+    let recorded = pulse.recorded_in_place();
+    let (from_s, to_s) =
+        (recorded.t0_s().max(pulse.filtered.t0_s()), end_of(&recorded).min(end_of(pulse.filtered)));
+    let (Some(of_record), Some(of_filter)) =
+        (Running::of(&recorded).over(from_s, to_s), Running::of(pulse.filtered).over(from_s, to_s))
+    else {
+        return Vec::new();
+    };
+    let before: Vec<f64> = times(&recorded, from_s, -recorded.dt_s()).filter_map(|t| value_at(&recorded, t)).collect();
+    let (zero_level, deviation) = mean_and_deviation(&before);
+    let moved = -zero_level * (to_s - from_s);
+    let left = 3.0 * deviation * (to_s - from_s) + AREA * of_record.abs().max((of_record + moved).abs());
+    let (low, high) = (of_record + moved.min(0.0) - left, of_record + moved.max(0.0) + left);
+    if (low..=high).contains(&of_filter) {
+        return Vec::new();
+    }
+    let text = format!(
+        "the filtered pulse changes the velocity by {of_filter:.2} m/s, the record by {:.2} m/s",
+        of_record + moved
+    );
+    let values = vec![("filtered_m_per_s", of_filter), ("recorded_m_per_s", of_record + moved)];
+    finding(About::Pulse, values, text)
+}
+
+/// Fewest samples before contact that show a zero level.
+const OF_A_LEVEL: usize = 8;
+
+/// Mean of samples and the deviation of it, none of few.
+fn mean_and_deviation(samples: &[f64]) -> (f64, f64) {
+    if samples.len() < OF_A_LEVEL {
+        return (0.0, 0.0);
+    }
+    let count = samples.len() as f64;
+    let mean = samples.iter().sum::<f64>() / count;
+    let variance = samples.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    (mean, (variance / count).sqrt())
+}
+
+fn is_marked_as_failed(parts: &RunParts<'_>) -> Vec<Finding> {
+    let tests = parts.of("ingest").zip(parts.of("filter"));
+    let tests = tests.and_then(|(a, b)| Some((record::<TestV1>(a, "/test")?, record::<TestV1>(b, "/test")?)));
+    let Some((before, after)) = tests else { return Vec::new() };
+    let failed = |test: &TestV1| test.channels.iter().filter(|channel| channel.status == "failed").count();
+    let (failed_before, failed_after, all) = (failed(&before), failed(&after), after.channels.len());
+    if failed_after < all || failed_before == before.channels.len() || all == 0 {
+        return Vec::new();
+    }
+    let text = format!("{failed_after} of {all} channels are marked as failed after the filter, {failed_before} before");
+    finding(About::Record, vec![("failed_after", failed_after as f64), ("failed_before", failed_before as f64)], text)
+}

@@ -1,0 +1,199 @@
+//! What two statements of a run contradict each other in: one row an invariant, checked by whoever reads.
+//!
+//! A row tests physics from the curves and the figures beside them, whatever program wrote them. Where a figure and its
+//! curve differ, one of both is wrong, and nothing that is made from them can be right.
+
+pub mod candidates;
+pub mod curves;
+pub mod filtering;
+pub mod models;
+pub mod motion;
+
+use crumple_artifact::records::{ConcernV1, RemarkV1, SeverityV1, TestV1};
+use crumple_artifact::{Artifact, Record};
+use crumple_signal::{About, Sampled, Weight};
+
+use crate::error::Refused;
+use crate::names::{chain, stage_order};
+
+/// A row: what must hold, and what it means where it does not.
+pub struct Invariant {
+    /// Stable name: `CR`, the number of the stage in the chain, the number of the row.
+    pub code: &'static str,
+    /// Whether nothing can be made from what contradicts itself; else it is a warning.
+    pub ends_the_run: bool,
+    /// What was found, how it is decided with its threshold and source, what it means for the result, what to do.
+    pub explanation: [&'static str; 4],
+    /// Looks at one run.
+    find: fn(&RunParts<'_>) -> Vec<Finding>,
+}
+
+/// What a row found.
+pub(crate) struct Finding {
+    /// The stage that wrote what contradicts.
+    stage: &'static str,
+    about: About,
+    /// The numbers of the sentence, names with units.
+    values: Vec<(&'static str, f64)>,
+    /// One sentence, made from the values.
+    text: String,
+}
+
+/// A contradiction in a run, as every surface shows it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contradiction {
+    /// Code of its row.
+    pub code: &'static str,
+    /// Whether nothing can be made from it.
+    pub ends_the_run: bool,
+    /// The stage that wrote what contradicts.
+    pub stage: &'static str,
+    /// What it concerns.
+    pub about: About,
+    /// The numbers of the sentence, names with units.
+    pub values: Vec<(&'static str, f64)>,
+    /// One sentence.
+    pub text: String,
+    /// One thing to do.
+    pub remedy: &'static str,
+}
+
+/// Every row, in the order of the chain.
+pub fn invariants() -> impl Iterator<Item = &'static Invariant> {
+    [&filtering::ROWS[..], &motion::ROWS, &models::ROWS, &candidates::ROWS].into_iter().flatten()
+}
+
+/// The row of a code.
+pub fn invariant(code: &str) -> Option<&'static Invariant> {
+    invariants().find(|row| row.code.eq_ignore_ascii_case(code))
+}
+
+/// Every contradiction of the artifacts of one run, in the order of the chain; of two about one thing that which ends
+/// the run first.
+pub fn contradictions(artifacts: &[Artifact]) -> Vec<Contradiction> {
+    let parts = RunParts { artifacts: artifacts.iter().filter_map(|a| Some((stage_of(a)?, a))).collect() };
+    let of_row = |row: &'static Invariant| {
+        (row.find)(&parts).into_iter().map(|finding| Contradiction {
+            code: row.code,
+            ends_the_run: row.ends_the_run,
+            stage: finding.stage,
+            about: finding.about,
+            values: finding.values,
+            text: finding.text,
+            remedy: row.explanation[3],
+        })
+    };
+    let mut found: Vec<Contradiction> = invariants().flat_map(of_row).collect();
+    found.sort_by_key(|c| (!c.ends_the_run, stage_order(Some(c.stage))));
+    found
+}
+
+/// Errors: the artifacts contradict each other, or themselves, in what nothing can be made from.
+pub(crate) fn refuse_contradictions(artifacts: &[Artifact]) -> Result<(), Refused> {
+    match contradictions(artifacts).into_iter().find(|found| found.ends_the_run) {
+        Some(found) => Err(found.refusal(artifacts)),
+        None => Ok(()),
+    }
+}
+
+impl Contradiction {
+    /// As it is printed: an error, or a warning, with what to do.
+    pub fn in_lines(&self, artifacts: &[Artifact]) -> String {
+        let how = if self.ends_the_run { "error" } else { "warning" };
+        format!("{how}: {}: {} [{}]\n  hint: {}", self.file(artifacts), self.text, self.code, self.remedy)
+    }
+
+    /// As a warning of a run: the result may be another thing than it is taken for.
+    pub fn concern(&self) -> ConcernV1 {
+        ConcernV1 {
+            stage: self.stage.to_owned(),
+            severity: SeverityV1::Warning,
+            about: self.about.to_string(),
+            weight: Weight::Decisive.number(),
+            text: self.text.clone(),
+            remedy: Some(self.remedy.to_owned()),
+        }
+    }
+
+    /// As a program reads it.
+    pub fn remark(&self) -> RemarkV1 {
+        let ConcernV1 { stage, about, weight, text, remedy, .. } = self.concern();
+        let values = self.values.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
+        RemarkV1 { code: self.code.to_owned(), stage, about, weight, values, text, remedy }
+    }
+
+    /// The file that says it.
+    fn file(&self, artifacts: &[Artifact]) -> String {
+        let written = artifacts.iter().find(|artifact| stage_of(artifact) == Some(self.stage));
+        written.map_or_else(|| self.stage.to_owned(), |artifact| artifact.path().display().to_string())
+    }
+
+    /// The error that names the file that says it.
+    fn refusal(&self, artifacts: &[Artifact]) -> Refused {
+        Refused::new(format!("{}: {} [{}]", self.file(artifacts), self.text, self.code)).hint(self.remedy)
+    }
+}
+
+/// The stage that an artifact stands for: by its name in a run folder, else by what it states.
+fn stage_of(artifact: &Artifact) -> Option<&'static str> {
+    let name = artifact.path().file_name().unwrap_or_default().to_string_lossy();
+    let named = chain().find(|stage| stage.outputs.first() == Some(&&*name));
+    named.or_else(|| chain().find(|stage| Some(stage.name) == artifact.stage())).map(|stage| stage.name)
+}
+
+/// The artifacts of one run by the stages that they stand for.
+pub(crate) struct RunParts<'a> {
+    artifacts: Vec<(&'static str, &'a Artifact)>,
+}
+
+impl<'a> RunParts<'a> {
+    /// That of a stage.
+    fn of(&self, stage: &str) -> Option<&'a Artifact> {
+        self.artifacts.iter().find(|(name, _)| *name == stage).map(|(_, artifact)| *artifact)
+    }
+
+    /// All but that of ingest, which is made from no other, with their stages.
+    fn made(&self) -> impl Iterator<Item = (&'static str, &'a Artifact)> {
+        self.artifacts.iter().filter(|(stage, _)| *stage != "ingest").copied()
+    }
+
+    /// The latest that has a channel among those up to a stage, as a curve.
+    fn wave(&self, id: &str, last: &str) -> Option<&'a Sampled> {
+        let before = self.artifacts.iter().filter(|(stage, _)| stage_order(Some(stage)) <= stage_order(Some(last)));
+        let (_, wave) = before
+            .filter_map(|(stage, artifact)| Some((stage_order(Some(stage)), artifact.waves().get(id)?)))
+            .max_by_key(|(order, _)| *order)?;
+        Some(&wave.sampled).filter(|wave| wave.len() > 1)
+    }
+}
+
+/// The record of a type under a topic, where it is there and can be read: who needs it says why it cannot.
+fn record<R: Record>(artifact: &Artifact, topic: &str) -> Option<R> {
+    artifact.record(topic).ok().flatten()
+}
+
+/// The records of a type below a topic, with the rest of their topics.
+fn records<'a, R: Record>(artifact: &'a Artifact, prefix: &'a str) -> impl Iterator<Item = (&'a str, R)> {
+    artifact.records().iter().filter(|raw| raw.schema == R::SCHEMA).filter_map(move |raw| {
+        let rest = raw.topic.strip_prefix(prefix)?;
+        Some((rest, artifact.decode(raw).ok()?))
+    })
+}
+
+/// The crash pulse of a test: the channel named, else the only acceleration.
+fn pulse_of(test: &TestV1) -> Option<&str> {
+    let mut accelerations = test.channels.iter().filter(|channel| channel.quantity == "acceleration");
+    let only = accelerations.next().filter(|_| accelerations.next().is_none());
+    test.pulse.as_deref().or_else(|| only.map(|channel| channel.id.as_str()))
+}
+
+/// Whether a value lies outside of an interval by more than half its width: that of a closed form, or of a metric that
+/// is zero, may lie beside what repetitions say of it.
+fn is_outside(value: f64, low: f64, high: f64) -> bool {
+    let beside = (low - value).max(value - high);
+    beside > 0.5 * (high - low) + 1e-9 * value.abs().max(low.abs()).max(high.abs())
+}
+
+/// What the explanation of a row of intervals says of it.
+const BESIDE: &str = "Each interval is compared with its value; half its width is left, since a closed form may lie \
+                      beside what repetitions say.";

@@ -1,0 +1,339 @@
+//! Rows of the joint of integrate: velocity and displacement are integrals, and events and metrics are theirs.
+
+use crumple_artifact::Artifact;
+use crumple_artifact::records::{EventsV1, MetricsV2, TestV1};
+use crumple_signal::{About, Sampled};
+
+use crate::joints::curves::{Running, end_of, farthest, range, times, value_at};
+use crate::joints::{BESIDE, Finding, Invariant, RunParts, is_outside, record};
+
+/// What every row of integrals says to do.
+const INTEGRATE: &str = "integrate in m, s and kg in the program of the stage integrate";
+/// What every row of figures says to do.
+const READ_OFF: &str = "read the events off the curves that the program of the stage integrate writes";
+
+/// Rows of the stage.
+pub(crate) static ROWS: [Invariant; 8] = [
+    Invariant {
+        code: "CR301",
+        ends_the_run: true,
+        explanation: [
+            "The velocity is not the integral of the acceleration.",
+            "From contact on both are compared, sample by sample. What is left is 4 % of the range of the velocity \
+             beside a straight line, which a drift that was taken out makes: other rules of integration and a rate of \
+             1 kHz stay below 1 %.",
+            "A unit, a sign or a time axis is wrong: crush, delta-v and every model are made from this velocity.",
+            INTEGRATE,
+        ],
+        find: velocity_is_no_integral,
+    },
+    Invariant {
+        code: "CR302",
+        ends_the_run: true,
+        explanation: [
+            "The displacement is not the integral of the velocity.",
+            "From contact on both are compared, sample by sample; 2 % of the range of the displacement and 1 mm are \
+             left.",
+            "A unit, a sign or a time axis is wrong: models are fitted to this displacement.",
+            INTEGRATE,
+        ],
+        find: displacement_is_no_integral,
+    },
+    Invariant {
+        code: "CR303",
+        ends_the_run: true,
+        explanation: [
+            "The velocity does not begin with the impact speed, or two impact speeds are stated.",
+            "The velocity at contact and the speed of /test are compared with that of /events; 1 % and 0.05 m/s are \
+             left.",
+            "Energy and crush go with the square of the speed: one of both is wrong.",
+            READ_OFF,
+        ],
+        find: two_impact_speeds,
+    },
+    Invariant {
+        code: "CR304",
+        ends_the_run: true,
+        explanation: [
+            "The dynamic crush is not the displacement at its time, or the velocity there is not zero.",
+            "The curves are read at the stated time; 1 % and 1 mm of the crush, 5 % of the impact speed are left, \
+             which is 1 % of the crush on a pulse of usual length.",
+            "Crush is what models are fitted to and compared with.",
+            READ_OFF,
+        ],
+        find: crush_is_not_of_the_curve,
+    },
+    Invariant {
+        code: "CR305",
+        ends_the_run: true,
+        explanation: [
+            "Impact speed, rebound, restitution and delta-v do not fit together.",
+            "Delta-v is the impact speed less the rebound velocity, restitution their ratio (docs/format.md, Events); \
+             1 % of the impact speed is left.",
+            "One of them is wrong, and predictions start from them.",
+            READ_OFF,
+        ],
+        find: rebound_contradicts_itself,
+    },
+    Invariant {
+        code: "CR306",
+        ends_the_run: true,
+        explanation: [
+            "A value lies outside of its own interval.",
+            BESIDE,
+            "The interval or the value is that of something else.",
+            "write the interval of the value that is written",
+        ],
+        find: outside_of_its_interval,
+    },
+    Invariant {
+        code: "CR307",
+        ends_the_run: true,
+        explanation: [
+            "A metric and an event of one name differ.",
+            "Dynamic crush and delta-v of /metrics, taken to SI by their unit, are compared with /events; 0.1 % \
+             and 0.0001 are left, for programs that round to four digits.",
+            "A unit or a curve is another one: which number is right cannot be told.",
+            "write SI units, and read metrics and events off the same curves",
+        ],
+        find: metric_and_event_differ,
+    },
+    Invariant {
+        code: "CR308",
+        ends_the_run: true,
+        explanation: [
+            "The force is not mass times deceleration.",
+            "The force of the pulse is compared with the mass of /test times the acceleration; 3 % of its range are \
+             left.",
+            "A unit or the mass is another one: stiffness goes with the force.",
+            "write N in the program of the stage integrate",
+        ],
+        find: force_is_no_product,
+    },
+];
+
+/// The motion that integrate wrote.
+struct Motion<'a> {
+    artifact: &'a Artifact,
+    events: EventsV1,
+    velocity: Option<&'a Sampled>,
+    displacement: Option<&'a Sampled>,
+}
+
+impl<'a> Motion<'a> {
+    fn of(parts: &RunParts<'a>) -> Option<Self> {
+        let artifact = parts.of("integrate")?;
+        let events: EventsV1 = record(artifact, "/events")?;
+        let curve = |what: &str| {
+            let wave = artifact.waves().get(&format!("{}/{what}", events.channel))?;
+            Some(&wave.sampled).filter(|wave| wave.len() > 1)
+        };
+        let (velocity, displacement) = (curve("velocity"), curve("displacement"));
+        Some(Self { artifact, events, velocity, displacement })
+    }
+
+    /// The part in which it is a motion: from contact to the end of a curve.
+    fn part(curve: &Sampled) -> (f64, f64) {
+        (curve.t0_s().max(0.0), end_of(curve))
+    }
+}
+
+fn finding(about: About, values: Vec<(&'static str, f64)>, text: String) -> Vec<Finding> {
+    vec![Finding { stage: "integrate", about, values, text }]
+}
+
+/// Share of the range of a velocity, and of a displacement, that may be beside their integral.
+const OF_VELOCITY: f64 = 0.04;
+const OF_DISPLACEMENT: f64 = 0.02;
+
+fn velocity_is_no_integral(parts: &RunParts<'_>) -> Vec<Finding> {
+    let Some(motion) = Motion::of(parts) else { return Vec::new() };
+    let Some((velocity, pulse)) = motion.velocity.zip(parts.wave(&motion.events.channel, "filter")) else {
+        return Vec::new();
+    };
+    let (from_s, to_s) = Motion::part(velocity);
+    let to_s = to_s.min(end_of(pulse));
+    let from_s = from_s.max(pulse.t0_s());
+    let running = Running::of(pulse);
+    let beside = |t: f64| Some(value_at(velocity, t)? - running.over(from_s, t)?);
+    let (Some(first), Some(last)) = (beside(from_s), beside(to_s)) else { return Vec::new() };
+    let line = |t: f64| first + (last - first) * (t - from_s) / (to_s - from_s).max(f64::MIN_POSITIVE);
+    let integral = |t: f64| Some(running.over(from_s, t)? + line(t));
+    let left = OF_VELOCITY * range(velocity, from_s, to_s).max(change_of(&running, from_s, to_s));
+    let found = farthest(times(velocity, from_s, to_s), |t| value_at(velocity, t), integral);
+    // A line as long as the change itself is no drift.
+    let drift = (last - first).abs() > DRIFT * change_of(&running, from_s, to_s).max(range(velocity, from_s, to_s));
+    let found = if drift { running.over(from_s, to_s).map(|of| (to_s, of + line(to_s), of + first)) } else { found };
+    let Some((time_s, says, of)) = found.filter(|(_, says, of)| (says - of).abs() > left) else { return Vec::new() };
+    let text = format!(
+        "the velocity at {:.1} ms is {says:.2} m/s, the integral of the acceleration {of:.2} m/s",
+        time_s * 1e3
+    );
+    let values = vec![("time_s", time_s), ("velocity_m_per_s", says), ("integral_m_per_s", of)];
+    finding(About::Motion, values, text)
+}
+
+/// Share of the change of velocity that a drift may take out: `known ends` of long records stay below it.
+const DRIFT: f64 = 0.25;
+
+fn change_of(running: &Running, from_s: f64, to_s: f64) -> f64 {
+    running.over(from_s, to_s).unwrap_or_default().abs()
+}
+
+fn displacement_is_no_integral(parts: &RunParts<'_>) -> Vec<Finding> {
+    let Some(motion) = Motion::of(parts) else { return Vec::new() };
+    let Some((displacement, velocity)) = motion.displacement.zip(motion.velocity) else { return Vec::new() };
+    let (from_s, to_s) = Motion::part(displacement);
+    let (from_s, to_s) = (from_s.max(velocity.t0_s()), to_s.min(end_of(velocity)));
+    let running = Running::of(velocity);
+    let Some(first) = value_at(displacement, from_s) else { return Vec::new() };
+    let integral = |t: f64| Some(first + running.over(from_s, t)?);
+    let spread = range(displacement, from_s, to_s);
+    let found = farthest(times(displacement, from_s, to_s), |t| value_at(displacement, t), integral);
+    let left = |of: f64| OF_DISPLACEMENT * spread.max((of - first).abs()) + 1e-3;
+    let Some((time_s, says, of)) = found.filter(|(_, says, of)| (says - of).abs() > left(*of)) else {
+        return Vec::new();
+    };
+    let text = format!(
+        "the displacement at {:.1} ms is {:.0} mm, the integral of the velocity {:.0} mm",
+        time_s * 1e3,
+        says * 1e3,
+        of * 1e3
+    );
+    finding(About::Motion, vec![("time_s", time_s), ("displacement_m", says), ("integral_m", of)], text)
+}
+
+fn two_impact_speeds(parts: &RunParts<'_>) -> Vec<Finding> {
+    let Some(motion) = Motion::of(parts) else { return Vec::new() };
+    let Some(speed) = motion.events.impact_speed_m_per_s else { return Vec::new() };
+    let of_test = record::<TestV1>(motion.artifact, "/test").and_then(|test| test.impact_speed_m_per_s);
+    let at_contact = motion.velocity.and_then(|velocity| value_at(velocity, velocity.t0_s().max(0.0)));
+    // A record that begins in the pulse has lost speed before its first sample.
+    let at_contact = at_contact.filter(|_| motion.velocity.is_some_and(|velocity| velocity.t0_s() <= 0.0));
+    let others = [("the velocity at contact is", at_contact), ("the impact speed of /test is", of_test)];
+    let differs = |other: f64| (other.abs() - speed.abs()).abs() > 0.01 * speed.abs() + 0.05;
+    let Some((what, other)) = others.into_iter().find_map(|(what, other)| Some((what, other.filter(|o| differs(*o))?)))
+    else {
+        return Vec::new();
+    };
+    let text = format!("{what} {other:.2} m/s, that of /events {speed:.2} m/s");
+    finding(About::ImpactSpeed, vec![("other_m_per_s", other), ("events_m_per_s", speed)], text)
+}
+
+fn crush_is_not_of_the_curve(parts: &RunParts<'_>) -> Vec<Finding> {
+    let Some(motion) = Motion::of(parts) else { return Vec::new() };
+    let Some((crush_m, time_s)) = motion.events.dynamic_crush_m.zip(motion.events.time_of_dynamic_crush_s) else {
+        return Vec::new();
+    };
+    if let Some(curve) = motion.displacement {
+        let Some(at_m) = value_at(curve, time_s) else {
+            let text = format!(
+                "the time of dynamic crush is {:.1} ms, the displacement ends at {:.1} ms",
+                time_s * 1e3,
+                end_of(curve) * 1e3
+            );
+            return finding(About::Motion, vec![("time_s", time_s), ("end_s", end_of(curve))], text);
+        };
+        if (at_m - crush_m).abs() > 0.01 * crush_m.abs().max(at_m.abs()) + 1e-3 {
+            let text = format!(
+                "the dynamic crush of /events is {:.0} mm, the displacement of the curve at its time {:.0} mm",
+                crush_m * 1e3,
+                at_m * 1e3
+            );
+            return finding(About::Motion, vec![("events_m", crush_m), ("curve_m", at_m)], text);
+        }
+    }
+    let speed = motion.events.impact_speed_m_per_s.unwrap_or(0.0).abs();
+    let velocity = motion.velocity.and_then(|curve| value_at(curve, time_s));
+    let Some(velocity) = velocity.filter(|velocity| speed > 0.0 && velocity.abs() > 0.05 * speed) else {
+        return Vec::new();
+    };
+    let text = format!("the velocity at the time of dynamic crush is {velocity:.2} m/s, it was to be zero");
+    finding(About::Motion, vec![("velocity_m_per_s", velocity)], text)
+}
+
+fn rebound_contradicts_itself(parts: &RunParts<'_>) -> Vec<Finding> {
+    let Some(motion) = Motion::of(parts) else { return Vec::new() };
+    let events = &motion.events;
+    let (Some(speed), Some(rebound)) = (events.impact_speed_m_per_s, events.rebound_velocity_m_per_s) else {
+        return Vec::new();
+    };
+    let differs = |stated: f64, of: f64| (stated - of).abs() > 0.01 * speed.abs() + 1e-3;
+    if let Some(change) = events.delta_v_m_per_s.filter(|change| differs(*change, speed - rebound)) {
+        let text = format!(
+            "delta-v is {change:.2} m/s, impact speed less rebound velocity {:.2} m/s",
+            speed - rebound
+        );
+        return finding(About::Motion, vec![("delta_v_m_per_s", change), ("difference_m_per_s", speed - rebound)], text);
+    }
+    let stated = events.coefficient_of_restitution.filter(|e| differs(e * speed, -rebound));
+    let Some(restitution) = stated.filter(|_| speed != 0.0) else { return Vec::new() };
+    let text = format!(
+        "the coefficient of restitution is {restitution:.3}, rebound velocity over impact speed {:.3}",
+        -rebound / speed
+    );
+    finding(About::Motion, vec![("restitution", restitution), ("ratio", -rebound / speed)], text)
+}
+
+fn outside_of_its_interval(parts: &RunParts<'_>) -> Vec<Finding> {
+    let Some(artifact) = parts.of("integrate") else { return Vec::new() };
+    let mut stated: Vec<(String, f64, f64, f64)> = Vec::new();
+    if let Some(events) = record::<EventsV1>(artifact, "/events") {
+        let fields = serde_json::to_value(&events).unwrap_or_default();
+        let value = |name: &str| fields.get(name).and_then(serde_json::Value::as_f64);
+        let of = events.intervals.iter().filter_map(|i| Some((i.name.clone(), value(&i.name)?, i.low, i.high)));
+        stated.extend(of);
+    }
+    if let Some(metrics) = record::<MetricsV2>(artifact, "/metrics") {
+        stated.extend(metrics.metrics.iter().filter_map(|m| Some((m.name.clone(), m.value?, m.low?, m.high?))));
+    }
+    let found = stated.into_iter().find(|(_, value, low, high)| is_outside(*value, *low, *high));
+    let Some((name, value, low, high)) = found else { return Vec::new() };
+    let text = format!("{name} is {value:.4}, its interval {low:.4} to {high:.4}");
+    finding(About::Motion, vec![("value", value), ("low", low), ("high", high)], text)
+}
+
+fn metric_and_event_differ(parts: &RunParts<'_>) -> Vec<Finding> {
+    let Some(motion) = Motion::of(parts) else { return Vec::new() };
+    let Some(metrics) = record::<MetricsV2>(motion.artifact, "/metrics") else { return Vec::new() };
+    let events = [
+        ("dynamic_crush", motion.events.dynamic_crush_m, "m"),
+        ("delta_v", motion.events.delta_v_m_per_s, "m/s"),
+    ];
+    for (name, event, unit) in events {
+        let metric = metrics.metrics.iter().find(|m| m.name == name && m.channel == motion.events.channel);
+        let Some((event, metric)) = event.zip(metric) else { continue };
+        let Some(value) = metric.value else { continue };
+        if metric.unit == unit && (value - event).abs() <= (1e-3 * value.abs().max(event.abs())).max(1e-4) {
+            continue;
+        }
+        let text = format!("{name} is {value:.4} {} in /metrics, {event:.4} {unit} in /events", metric.unit);
+        return finding(About::Motion, vec![("metric", value), ("event", event)], text);
+    }
+    Vec::new()
+}
+
+fn force_is_no_product(parts: &RunParts<'_>) -> Vec<Finding> {
+    let Some(motion) = Motion::of(parts) else { return Vec::new() };
+    let test: Option<TestV1> = record(motion.artifact, "/test");
+    let (Some(mass_kg), Some(pulse), Some(force)) = (
+        test.and_then(|test| test.mass_kg),
+        parts.wave(&motion.events.channel, "filter"),
+        motion.artifact.waves().get(&format!("{}/force", motion.events.channel)),
+    ) else {
+        return Vec::new();
+    };
+    let force = &force.sampled;
+    let (from_s, to_s) = (force.t0_s().max(pulse.t0_s()).max(0.0), end_of(force).min(end_of(pulse)));
+    let product = |t: f64| Some(-mass_kg * value_at(pulse, t)?);
+    let found = farthest(times(force, from_s, to_s), |t| value_at(force, t), product);
+    let left = 0.03 * range(force, from_s, to_s).max(mass_kg * range(pulse, from_s, to_s));
+    let Some((time_s, says, of)) = found.filter(|(_, says, of)| (says - of).abs() > left) else { return Vec::new() };
+    let text = format!(
+        "the force at {:.1} ms is {:.1} kN, mass times deceleration {:.1} kN",
+        time_s * 1e3,
+        says / 1e3,
+        of / 1e3
+    );
+    finding(About::Motion, vec![("time_s", time_s), ("force_n", says), ("product_n", of)], text)
+}
