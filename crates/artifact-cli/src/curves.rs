@@ -67,6 +67,7 @@ pub fn static_curves(
     let ends = ends_of_numbers(&record, rated);
     let tested = model.structure()?;
     let structure = tested.clone().with_trends_beyond();
+    let masses = structure.masses_kg().len();
     let mut needs_end = false;
     let mut curves = Vec::new();
     let elements = structure.connections().iter().zip(tested.connections().iter().map(|tested| &tested.element));
@@ -76,7 +77,8 @@ pub fn static_curves(
             element: k + 1,
             between: between(connection.front, connection.rear),
             intervals: intervals(&model, &ends, (k, &connection.element), &points),
-            tested_m: Some(last_knot_m(tested)).filter(|last| *last > 0.0).or(crush_m),
+            // The crush of the test is the deflection of one element alone.
+            tested_m: Some(last_knot_m(tested)).filter(|last| *last > 0.0).or(crush_m.filter(|_| masses == 1)),
             points,
             unloading_n_per_m: None,
             rate_s_per_m: 0.0,
@@ -133,10 +135,12 @@ fn ends_of_numbers(record: &CandidateV1, rated: Option<&RatedCandidateV1>) -> Ve
         return deviations.iter().filter_map(of).collect();
     }
     let Some(known) = &record.uncertainty else { return Vec::new() };
-    let both = known
-        .interval_low
-        .iter()
-        .filter_map(|(name, low)| Some((name.clone(), [(*low)?, known.interval_high.get(name).copied().flatten()?])));
+    let both = known.interval_low.iter().filter_map(|(name, low)| {
+        let high = known.interval_high.get(name).copied().flatten();
+        // What nothing determines is known to a factor of 2 beforehand, as the choice has it.
+        let (value, factor) = (*record.parameters.get(name)?, (HALF_WIDTH_95 * std::f64::consts::LN_2).exp());
+        Some((name.clone(), [low.unwrap_or(value / factor), high.unwrap_or(value * factor)]))
+    });
     both.collect()
 }
 

@@ -124,8 +124,8 @@ impl MeasuredTest {
         }
     }
 
-    /// Velocity at the end of the compared window of a displacement misfit, over the impact speed: by its last eighth,
-    /// which no noise of a displacement reaches.
+    /// Velocity at the end of the compared window of a displacement misfit, over the impact speed: by its last 32nd
+    /// part, which no noise of a displacement reaches.
     fn velocity_error(&self, misfit: &[f64], speed: f64) -> Option<f64> {
         let wave = &self.displacement.waves[0];
         let last = misfit.len() - 1;

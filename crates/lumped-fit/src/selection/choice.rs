@@ -59,7 +59,7 @@ pub struct CandidateSelection {
 ///
 /// *Adequate*: physical, no parameter on a bound of its search, a displacement fit of at least
 /// [`SelectionRules::adequate_fit_percent`], and the events of its own test. Where none of these is for prediction,
-/// those that miss only time or restitution take part too. *For prediction*: of these each but one whose energy does
+/// those that miss only time, restitution or a sensor take part too. *For prediction*: of these each but one whose energy does
 /// not go into plastic deformation and that has numbers which nothing determines and other speeds feel, as long as the
 /// record's own force over crush answers, in a plastic candidate. *Recommended*: the one of largest weight. *Simplest*:
 /// of the adequate with all numbers determined the fewest, then the lowest sum. *Closest*: of the physical the best
@@ -151,7 +151,7 @@ impl ComparedCandidates<'_> {
             return Some("it has no finite score".to_owned());
         }
         let (open, of) = (candidate.affects_other_speeds.len(), candidate.parameters);
-        let none_is_known = candidate.is_assessed && candidate.unidentified.len() >= of;
+        let none_is_known = candidate.is_assessed && of > 0 && candidate.determined() == 0;
         let record_answers = || self.compared().any(|k| self.is_plastic(k) && self.rated[k].score.is_some());
         ((open > 0 || none_is_known) && !self.is_plastic(k) && record_answers()).then(|| match open {
             0 => format!("none of its {of} numbers is determined"),
@@ -168,7 +168,9 @@ impl ComparedCandidates<'_> {
                 .collect();
             return Self::none(format!("no adequate candidate qualifies ({})", reasons.join("; ")));
         };
-        let next = for_prediction.iter().copied().filter(|k| *k != best).min_by(|a, b| self.by_total(*a, *b));
+        let of_another_model = self.strength(best, for_prediction).map(|(_, next)| next);
+        let any = || for_prediction.iter().copied().filter(|k| *k != best).min_by(|a, b| self.by_total(*a, *b));
+        let next = of_another_model.or_else(any);
         let candidate = &self.candidates[best];
         let mut because = format!(
             "{}, {}{}, {}",

@@ -267,8 +267,8 @@ pub struct Options {
     #[arg(long, value_name = "PERCENT")]
     pub adequate_fit: Option<f64>,
 
-    /// Choice of candidates: error of the crush at lower speeds, beside what the record itself shows, up to which a
-    /// plastic model is taken for its criterion, percent [default: 1]
+    /// Choice of candidates: standard deviation of the crush of a plastic model at lower speeds, beside what the record
+    /// itself shows, percent [default: 1]
     #[arg(long, value_name = "PERCENT")]
     pub lower_speed_limit: Option<f64>,
 

@@ -15,7 +15,7 @@ use crate::intervals::sources::{
     by_rate_effect, interval,
 };
 use crate::intervals::tested::{
-    COARSE_S, Direction, OwnTest, RecordFactors, SAMPLING_S, STEP, Tested, at_crush, half_difference, relative,
+    COARSE_S, Direction, OwnTest, RecordFactors, SAMPLING_S, STEP, Tested, TestedFront, at_crush, half_difference, relative,
 };
 
 /// What the test of a vehicle supports of a prediction.
@@ -98,24 +98,36 @@ impl CrushUncertainty {
     }
 }
 
-/// Energy that the fronts of an impact take, J.
+/// Energy that the fronts of an impact take, J, and the masses behind them, kg.
 #[derive(Clone, Copy)]
 struct Taken {
     own_j: f64,
     partner_j: f64,
+    masses_kg: [f64; 2],
 }
 
 impl Taken {
     /// Of a collision; at the wall all of it.
-    fn of(both: Option<&CollisionOutcome>, kinetic_j: f64) -> Self {
-        let Some(both) = both else { return Self { own_j: kinetic_j, partner_j: 0.0 } };
+    fn of(both: Option<&CollisionOutcome>, kinetic_j: f64, masses_kg: [f64; 2]) -> Self {
+        let Some(both) = both else { return Self { own_j: kinetic_j, partner_j: 0.0, masses_kg } };
         let [own_j, partner_j] = [&both.own, &both.partner].map(|body| body.absorbed_j.unwrap_or(0.0));
-        Self { own_j, partner_j }
+        Self { own_j, partner_j, masses_kg }
     }
 
     fn by_record(self, own: &OwnTest<'_>, partner: Option<&OwnTest<'_>>) -> RecordFactors {
-        RecordFactors::new((own, self.own_j), partner.map(|test| (test, self.partner_j)), self.partner_j)
+        let [own_kg, partner_kg] = self.masses_kg;
+        let own = TestedFront { test: own, energy_j: self.own_j, mass_kg: own_kg };
+        let partner = partner.map(|test| TestedFront { test, energy_j: self.partner_j, mass_kg: partner_kg });
+        RecordFactors::new(own, partner, self.partner_j)
     }
+}
+
+/// Variance of a number among models, by their weights, about the answer. A model without it leaves its weight to those
+/// of the others.
+fn spread(models: &[(Outcome, f64)], quantity: Quantity, value: f64) -> f64 {
+    let of = models.iter().filter_map(|(model, weight)| Some((*weight, (model.get(quantity)? - value).powi(2))));
+    let (weights, squares) = of.fold((0.0, 0.0), |(sum, all), (weight, square)| (sum + weight, all + weight * square));
+    if weights > 0.0 { squares * models.iter().map(|(_, weight)| weight).sum::<f64>() / weights } else { 0.0 }
 }
 
 impl Impact<'_> {
@@ -140,7 +152,8 @@ impl Impact<'_> {
                 let models = partner_others.len();
                 (tested, speed, self.support(tested, &opponent.structure, &wave, Side::Partner, speed, models))
             });
-        let taken = Taken::of(both.as_ref(), 0.5 * mass_kg * speed * speed);
+        let partner_kg = self.setting.opponent.map_or(0.0, |other| other.structure.masses_kg().iter().sum());
+        let taken = Taken::of(both.as_ref(), 0.5 * mass_kg * speed * speed, [mass_kg, partner_kg]);
         let partner_own = self.partner.tested.as_ref().map(|tested| &tested.own);
         let by_record = taken.by_record(&self.tested.own, partner_own);
         let outcome = by_record.of(&model);
@@ -158,14 +171,12 @@ impl Impact<'_> {
         let own_doubt =
             crush_uncertainty(self.tested, (own_speed, mass_kg, known), is_beyond[0], &wave, &outcome, Side::Own);
         let partner_doubt = partner.as_ref().map_or_else(CrushUncertainty::default, |(tested, speed, _)| {
-            let partner_kg = self.setting.opponent.map_or(0.0, |other| other.structure.masses_kg().iter().sum());
             crush_uncertainty(tested, (*speed, partner_kg, known), is_beyond[1], &wave, &outcome, Side::Partner)
         });
         let of = |quantity: Quantity, crush_deviation: f64| {
             let value = mixed.get(quantity)?;
             let q = quantity as usize;
-            let models =
-                others.iter().filter_map(|(other, weight)| Some(weight * (other.get(quantity)? - value).powi(2))).sum();
+            let models = spread(&others, quantity, value);
             let restitution = outcome.get(Quantity::Restitution).unwrap_or(0.0);
             let [rate, force, in_front, record] = by_crush([own_doubt, partner_doubt], (quantity, value), restitution);
             let is_beyond = is_beyond[usize::from(quantity.side() == Side::Partner)];

@@ -145,20 +145,21 @@ impl<'a> OwnTest<'a> {
     }
 
     /// What the record shows over what the model shows, of the largest deceleration until both have taken this energy,
-    /// J; where one of them shows nothing, `None`.
-    fn peak(&self, energy_j: f64) -> Option<PeakByRecord> {
+    /// J, in an impact of this mass; where one of them shows nothing, `None`.
+    fn peak(&self, energy_j: f64, mass_kg: f64) -> Option<PeakByRecord> {
         let largest = |felt: Option<&FeltOverEnergy>| felt?.largest_until(energy_j / self.mass_kg);
         let (made, model) = (largest(self.made.felt.as_ref())?, largest(self.felt.as_ref())?);
         let at_the_end = |felt: Option<&FeltOverEnergy>| felt?.at_the_end();
         let ends = at_the_end(self.made.felt.as_ref()).zip(at_the_end(self.felt.as_ref()));
-        Some(PeakByRecord { made, model, end: ends.map_or(1.0, |(made, model)| made / model) })
+        let end = ends.map_or(1.0, |(made, model)| made / model);
+        Some(PeakByRecord { made, model, end, mass_ratio: mass_kg / self.mass_kg })
     }
 
     /// Relative standard deviation of the peak of the record by this one of the crush, where it has taken this energy,
     /// J. Energy goes as the square of the crush, as on a straight curve.
     pub fn peak_by_crush(&self, energy_j: f64, deviation: f64) -> f64 {
         let largest = |share: f64| self.made.felt.as_ref()?.largest_until(share * energy_j / self.mass_kg);
-        let three = largest(1.0 - 2.0 * deviation).zip(largest(1.0)).zip(largest(1.0 + 2.0 * deviation));
+        let three = largest((1.0 - 2.0 * deviation).max(LEAST_SHARE)).zip(largest(1.0)).zip(largest(1.0 + 2.0 * deviation));
         three.map_or(0.0, |((low, own), high)| 0.5 * (high - low) / own)
     }
 
@@ -184,7 +185,7 @@ impl<'a> OwnTest<'a> {
         match quantity {
             Quantity::DynamicCrush => self.misfit_of(quantity),
             Quantity::TimeOfDynamicCrush => self.misfit_of(quantity).hypot(TIME_BY_FORCE * self.misfit_of_force(false)),
-            Quantity::Peak => self.peak(f64::INFINITY).map_or(0.0, |peak| 1.0 - peak.model / peak.made),
+            Quantity::Peak => self.peak(f64::INFINITY, self.mass_kg).map_or(0.0, |peak| 1.0 - peak.model / peak.made),
             Quantity::Restitution | Quantity::DeltaV => {
                 quantity.power_of_crush(restitution) * self.misfit_of_force(beyond)
             }
@@ -213,22 +214,32 @@ pub(crate) struct PeakByRecord {
     made: f64,
     model: f64,
     end: f64,
+    /// Mass of the impact over that of the test.
+    mass_ratio: f64,
 }
 
 impl PeakByRecord {
-    /// The peak of an impact in which the model has this one. One that is larger than in the test is felt beyond it,
-    /// where the end of the record says how far the model is off, and an early or late wave of it does not.
+    /// The peak of an impact in which the model has this one. One of a force larger than in the test is felt beyond it, where the end of the record says how far
+    /// the model is off, and an early or late wave of it does not.
     fn of(self, model: f64) -> f64 {
-        let grows = model > self.model * (1.0 + GROWS);
-        if grows { (self.end * model).max(self.made) } else { self.made / self.model * model }
+        let grows = model * self.mass_ratio > self.model * (1.0 + GROWS);
+        if grows { (self.end * model).max(self.made / self.mass_ratio) } else { self.made / self.model * model }
     }
 }
+
+/// Least share of an energy up to which a peak is read: a crush that is hardly known says nothing of less.
+const LEAST_SHARE: f64 = 0.05;
 
 /// Relative rise of a peak that is no rounding of a response.
 const GROWS: f64 = 1e-3;
 
-/// A front in an impact: its own test, and the energy that it takes, J.
-pub(crate) type TestedFront<'a> = (&'a OwnTest<'a>, f64);
+/// A front in an impact: its own test, the energy that it takes, J, and the mass behind it, kg.
+#[derive(Clone, Copy)]
+pub(crate) struct TestedFront<'a> {
+    pub test: &'a OwnTest<'a>,
+    pub energy_j: f64,
+    pub mass_kg: f64,
+}
 
 /// What the records of both vehicles make of the answers of their models: each multiplied by what the record shows over
 /// what the model shows in its own test. So it is the record's where the same energy is taken, and of a model that is
@@ -246,9 +257,10 @@ impl RecordFactors {
     /// Of the vehicle, and of its partner: a face or the wall has no test. What comes back in a collision is of each
     /// front as its share of the energy.
     pub fn new(own: TestedFront<'_>, partner: Option<TestedFront<'_>>, barrier_j: f64) -> Self {
-        let peak = |(test, energy_j): TestedFront<'_>| test.peak(energy_j);
-        let (factor, taken) = (own.0.restitution(), own.1);
-        let other = partner.map_or((1.0, barrier_j), |(test, energy_j)| (test.restitution().unwrap_or(1.0), energy_j));
+        let peak = |front: TestedFront<'_>| front.test.peak(front.energy_j, front.mass_kg);
+        let (factor, taken) = (own.test.restitution(), own.energy_j);
+        let of_partner = |front: TestedFront<'_>| (front.test.restitution().unwrap_or(1.0), front.energy_j);
+        let other = partner.map_or((1.0, barrier_j), of_partner);
         let of_both = |factor: f64| {
             let squares = factor * factor * taken + other.0 * other.0 * other.1;
             if taken + other.1 > 0.0 { (squares / (taken + other.1)).sqrt() } else { factor }
@@ -455,7 +467,8 @@ mod tests {
         let answer = |own_e: f64, made: &MadeTest, e: f64| {
             let class = EnergyClass::Plastic;
             let own = OwnTest { outcome: with(own_e), mass_kg: 1e3, class, felt: None, made };
-            let outcome = RecordFactors::new((&own, 1e5), None, 0.0).of(&with(e));
+            let front = TestedFront { test: &own, energy_j: 1e5, mass_kg: own.mass_kg };
+            let outcome = RecordFactors::new(front, None, 0.0).of(&with(e));
             [Quantity::Restitution, Quantity::DeltaV].map(|quantity| outcome.get(quantity).unwrap())
         };
         let is_near =

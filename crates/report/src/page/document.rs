@@ -144,7 +144,7 @@ fn measured_alone(run: &Run) -> Run {
 
 /// The summary for its download, gzip in base 64: a sixth of its length.
 fn packed(summary: &Summary) -> io::Result<String> {
-    let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
     encoder.write_all(summary.to_json()?.as_bytes())?;
     Ok(STANDARD.encode(encoder.finish()?))
 }

@@ -316,9 +316,9 @@ enum Choice {
     True,
     /// Another, whose criterion is not worse by more than [`TOLD_APART`].
     NotToldApart,
-    /// Another, where the record has too few independent samples for the numbers of that model, so that its corrected
-    /// criterion is infinite, and where the uncorrected one is not worse by more than [`TOLD_APART`] either.
-    TooFewSamples,
+    /// Another, where the record leaves numbers of the true model open: a rule passes such a model over for one that the
+    /// record's own force over crush makes.
+    OpenNumbers,
     /// Another.
     Other,
     /// None.
@@ -331,8 +331,8 @@ pub struct Choices {
     records: usize,
     /// Records with the true model, or one not told apart, as recommended or simplest.
     held: usize,
-    /// Of the others, those too short for the numbers of the true model.
-    too_short: usize,
+    /// Of the others, those that leave numbers of the true model open.
+    open: usize,
     /// By name in the recommendation and choice.
     counts: BTreeMap<(&'static str, Choice), usize>,
     /// Models recommended where the record tells them from the true one.
@@ -391,26 +391,15 @@ impl Choices {
             of.filter_map(|candidate| candidate["aicc"].as_f64()).min_by(f64::total_cmp)
         };
         let truth = criterion(&|id| model_of(id) == model);
-        // `N ln V + 2 p`, Akaike's criterion without a correction for short records.
-        let samples = recommendation["evidence"]["effective_samples"].as_f64();
-        let uncorrected = |of: &dyn Fn(&str) -> bool| {
-            let of = candidates.iter().filter(|candidate| candidate["id"].as_str().is_some_and(of));
-            let value = |candidate: &Value| {
-                let (misfit, parameters) = (candidate["misfit"].as_f64()?, candidate["parameters"].as_f64()?);
-                Some(2.0 * samples? * misfit.ln() + 2.0 * parameters)
-            };
-            of.filter_map(value).min_by(f64::total_cmp)
-        };
-        let too_short = uncorrected(&|id| model_of(id) == model).filter(|_| truth.is_none());
+        let number = |candidate: &Value, name: &str| candidate[name].as_f64();
+        let mut of_truth = candidates.iter().filter(|c| c["id"].as_str().is_some_and(|id| model_of(id) == model));
+        let leaves_open = of_truth.all(|c| number(c, "determined") < number(c, "parameters"));
         let choice = |name: &str| match recommendation[name].as_str() {
             None => Choice::Nothing,
             Some(id) if model_of(id) == model => Choice::True,
             Some(id) => match criterion(&|other| other == id).zip(truth) {
                 Some((chosen, truth)) if chosen <= truth + TOLD_APART => Choice::NotToldApart,
-                None => match uncorrected(&|other| other == id).zip(too_short) {
-                    Some((chosen, truth)) if chosen <= truth + TOLD_APART => Choice::TooFewSamples,
-                    _ => Choice::Other,
-                },
+                Some(_) if leaves_open => Choice::OpenNumbers,
                 _ => Choice::Other,
             },
         };
@@ -418,7 +407,7 @@ impl Choices {
         self.records += 1;
         let best = named.iter().map(|(_, choice)| *choice).min();
         self.held += usize::from(best.is_some_and(|choice| choice <= Choice::NotToldApart));
-        self.too_short += usize::from(best == Some(Choice::TooFewSamples));
+        self.open += usize::from(best == Some(Choice::OpenNumbers));
         for key in named {
             *self.counts.entry(key).or_default() += 1;
         }
@@ -427,30 +416,30 @@ impl Choices {
         }
     }
 
-    /// Share of records, %, with the true model or one not told apart as recommended or simplest, with those that have
-    /// too few independent samples for that model and do not tell it apart by the uncorrected criterion.
+    /// Share of records, %, with the true model or one not told apart as recommended or simplest, with those that leave
+    /// numbers of the true model open.
     pub fn held_percent(&self) -> f64 {
-        100.0 * (self.held + self.too_short) as f64 / self.records as f64
+        100.0 * (self.held + self.open) as f64 / self.records as f64
     }
 
     /// Head of the table of [`Choices::row`].
     pub const HEAD: &str = "\
-| made of | held, % | held, or too few samples, % | recommended: it / not told apart / too few samples / other / none \
+| made of | held, % | held, or open numbers, % | recommended: it / not told apart / open numbers / other / none \
 | simplest | others | intervals that hold | width of stiffnesses, % |
 |---|---|---|---|---|---|---|---|";
 
     /// A row of a Markdown table: model, share of records with the true model or one not told apart, %, the same with
-    /// the records that have too few independent samples for that model, then the counts of the recommended and of the
-    /// simplest: true, not told apart, too few samples, other, none; others that are recommended; of the closed 95 %
+    /// the records that leave numbers of that model open, then the counts of the recommended and of the simplest: true,
+    /// not told apart, open numbers, other, none; others that are recommended; of the closed 95 %
     /// intervals of the true model those that hold the truth, and the median width of those of stiffnesses.
     pub fn row(&self, name: &str) -> String {
         let held = 100.0 * self.held as f64 / self.records as f64;
         let mut row = format!("| {name} | {held:.1} | {:.1} |", self.held_percent());
         for of in ["recommended", "simplest"] {
             let count = |choice| self.counts.get(&(of, choice)).copied().unwrap_or_default();
-            let [truth, not_told_apart, too_few, other, nothing] =
-                [Choice::True, Choice::NotToldApart, Choice::TooFewSamples, Choice::Other, Choice::Nothing].map(count);
-            let _infallible = write!(row, " {truth} / {not_told_apart} / {too_few} / {other} / {nothing} |");
+            let [truth, not_told_apart, open, other, nothing] =
+                [Choice::True, Choice::NotToldApart, Choice::OpenNumbers, Choice::Other, Choice::Nothing].map(count);
+            let _infallible = write!(row, " {truth} / {not_told_apart} / {open} / {other} / {nothing} |");
         }
         let others: Vec<String> = self.others.iter().map(|(model, count)| format!("{model} {count}")).collect();
         let (held, closed, width) = self.cover.held("_n_per_m");
@@ -494,16 +483,12 @@ mod tests {
             choices.count(&record, "a");
         }
         choices.count(&serde_json::json!({ "recommended": null, "simplest": null }), "a");
-        // A criterion of the true model that nobody can state: too many numbers for the samples.
-        let too_many = serde_json::json!({ "id": "a/fit/1", "aicc": null, "misfit": 0.1, "parameters": 9 });
-        // 9 ln V + 2 p: 7 numbers less are worth a misfit larger by exp(7/9), and 10 more one by exp(12/9).
-        for ratio in [1.3_f64, 1.4] {
-            let misfit = 0.1 * ratio.exp();
-            let other = serde_json::json!({ "id": "c/fit/1", "aicc": 11.0, "misfit": misfit, "parameters": 2 });
+        // Of the true model one number of two is open, or none.
+        for determined in [1, 2] {
+            let truth = serde_json::json!({ "id": "a/fit/1", "aicc": 0.0, "parameters": 2, "determined": determined });
             choices.count(
                 &serde_json::json!({
-                    "recommended": "c/fit/1", "simplest": null, "candidates": [too_many, other],
-                    "evidence": { "effective_samples": 9.0 }
+                    "recommended": "c/fit/1", "simplest": null, "candidates": [truth, candidate("c/fit/1", 11.0)],
                 }),
                 "a",
             );

@@ -15,7 +15,7 @@ pub const SAME_CURVE: f64 = 1e-3;
 /// Restitutions of the same curve differ by no more than this: what a model does after the window tells it apart too.
 pub const SAME_RESTITUTION: f64 = 0.01;
 
-/// Criteria of the choice, without what they charge for parameters, that differ by more tell two misfits apart.
+/// Scores of the choice that differ by more tell two candidates apart.
 const TOLD_APART: f64 = 10.0;
 
 /// A curve and the candidates that have it.
@@ -31,11 +31,8 @@ pub struct DistinctCurve {
 /// response stands alone.
 pub fn distinct_curves(run: &Run, ranking: &Ranking) -> Vec<DistinctCurve> {
     let stands_for = pairs_of_equals(&run.candidates);
-    let misfit = |index: usize| {
-        let rated = run.rated(&run.candidates[index].id)?;
-        Some(rated.aicc? - 2.0 * f64::from(rated.parameters))
-    };
-    let told_apart = |a: usize, b: usize| misfit(a).zip(misfit(b)).is_some_and(|(a, b)| (a - b).abs() > TOLD_APART);
+    let score = |index: usize| run.rated(&run.candidates[index].id)?.aicc;
+    let told_apart = |a: usize, b: usize| score(a).zip(score(b)).is_some_and(|(a, b)| (a - b).abs() > TOLD_APART);
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (index, candidate) in run.candidates.iter().enumerate() {
         let same = |group: &Vec<usize>| {

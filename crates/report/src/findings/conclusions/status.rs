@@ -276,14 +276,17 @@ fn uncertain(run: &Run, best: &CandidateResult) -> Option<StatusReason> {
     best.record.equivalent_to.as_ref().map(|_| StatusReason::Dual)
 }
 
-/// Root mean square misfit of the deceleration over its mean up to which a curve has the forces of the record.
+/// Root mean square misfit of the deceleration over its mean up to which a curve has the forces of the record: what is
+/// asked of forces that are within 15 %.
 const OF_THE_MEAN: f64 = 0.15;
 
 /// Whether a model misses the decelerations of the record by little beside their mean, `v0²/2C`.
 fn has_the_forces(run: &Run, best: &CandidateResult) -> bool {
     let Some(events) = &run.events else { return false };
     let mean = events.impact_speed_m_per_s.zip(events.dynamic_crush_m).map(|(v0, crush)| 0.5 * v0 * v0 / crush);
-    let misfit = run.rated(&best.id).and_then(|rated| rated.misfit);
+    let choice = run.recommendation.as_ref().and_then(|choice| choice.evidence.as_ref());
+    let is_of_accelerations = choice.is_some_and(|evidence| evidence.quantity == "acceleration");
+    let misfit = run.rated(&best.id).and_then(|rated| rated.misfit).filter(|_| is_of_accelerations);
     misfit.zip(mean).is_some_and(|(misfit, mean)| misfit <= OF_THE_MEAN * mean)
 }
 

@@ -46,7 +46,7 @@ fn table(out: &mut String, run: &Run, choice: &RecommendationV1) {
         Column::number("e"),
     ];
     columns.extend(has_force(choice).then_some(Column::number(texts.wall_force).means(texts.wall_force_definition)));
-    columns.push(Column::number("ΔAICc"));
+    columns.push(Column::number("Δ score"));
     let stated = |prior: &PriorV1| (html(&prior.name), html(&format!("{} ({})", prior.statement, prior.source)));
     let priors: Vec<(String, String)> = choice.priors.iter().map(stated).collect();
     columns.extend(priors.iter().map(|(name, statement)| Column::number(name).means(statement)));
