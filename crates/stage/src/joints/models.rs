@@ -119,18 +119,29 @@ fn modes(artifact: &Artifact) -> impl Iterator<Item = (&str, ModeV1)> {
     records::<ModesV2>(artifact, "/modes/").flat_map(|(id, record)| record.modes.into_iter().map(move |m| (id, m)))
 }
 
+/// The model of a topic below `/model/`, where its form has the poles of the system: `<id>`, `<id>/continuous`,
+/// `<id>/discrete`.
+fn model_of(topic: &str) -> Option<&str> {
+    match topic.split_once('/') {
+        None => Some(topic),
+        Some((id, "continuous" | "discrete")) => Some(id),
+        Some(_) => None,
+    }
+}
+
 /// Share of a pole that a mode may lie beside it.
 const OF_A_POLE: f64 = 0.01;
 
 fn modes_of_another_model(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some(artifact) = parts.of("identify") else { return Vec::new() };
-    let of_models: Vec<(&str, Vec<Complex>)> =
-        records::<StateSpaceV1>(artifact, "/model/").map(|(id, model)| (id, poles(&model))).collect();
+    let of_models: Vec<(&str, Vec<Complex>)> = records::<StateSpaceV1>(artifact, "/model/")
+        .filter_map(|(topic, model)| Some((model_of(topic)?, poles(&model))))
+        .collect();
     for (id, mode) in modes(artifact) {
-        let Some((_, poles)) = of_models.iter().find(|(of, poles)| *of == id && !poles.is_empty()) else { continue };
+        let poles = of_models.iter().filter(|(of, _)| *of == id).flat_map(|(_, poles)| poles);
         let stated = Complex::new(mode.re_per_s, mode.im_rad_per_s);
         let beside = |pole: &Complex| (pole - stated).norm().min((pole.conj() - stated).norm());
-        let Some(nearest) = poles.iter().min_by(|a, b| beside(a).total_cmp(&beside(b))) else { continue };
+        let Some(nearest) = poles.min_by(|a, b| beside(a).total_cmp(&beside(b))) else { continue };
         if beside(nearest) <= OF_A_POLE * stated.norm().max(nearest.norm()) {
             continue;
         }
