@@ -154,7 +154,8 @@ impl Options {
     /// own flags on.
     pub(crate) fn take_own(&mut self) -> Result<(), Usage> {
         self.of_all.add_to(&mut self.flags);
-        let own = [("--set", "STAGE.OPTION=VALUE", &mut self.set), ("--stage", "STAGE=COMMAND", &mut self.programs.stage)];
+        let own =
+            [("--set", "STAGE.OPTION=VALUE", &mut self.set), ("--stage", "STAGE=COMMAND", &mut self.programs.stage)];
         let mut own = own.into_iter().skip(usize::from(self.again.is_some())).collect::<Vec<_>>();
         let mut words = std::mem::take(&mut self.record).into_iter();
         while let Some(word) = words.next() {

@@ -196,7 +196,11 @@ pub(crate) fn contradicts(stage: &Stage, new: &Path, folder: &Path) -> bool {
     for contradiction in &found {
         say(format_args!("error: {}: {} [{}]", stage.output(), contradiction.text, contradiction.code));
         say(format_args!("  written by: {}", stage.program.typed));
-        say(format_args!("  hint: {}; {} explains it", contradiction.remedy, program(&format!("artifact explain {}", contradiction.code))));
+        say(format_args!(
+            "  hint: {}; {} explains it",
+            contradiction.remedy,
+            program(&format!("artifact explain {}", contradiction.code))
+        ));
     }
     !found.is_empty()
 }

@@ -231,7 +231,10 @@ impl ComparedCandidates<'_> {
             1 => "one number, determined".to_owned(),
             n => format!("{n} numbers, all determined"),
         };
-        Choice { candidate: Some(simplest), because: format!("{count}, displacement fit as measured {fit:.2} %") }
+        let missed = self.rated[simplest].why_inadequate();
+        let missed = missed.map_or_else(String::new, |missed| format!("; use only its crush: it {missed}"));
+        let because = format!("{count}, displacement fit as measured {fit:.2} %{missed}");
+        Choice { candidate: Some(simplest), because }
     }
 
     fn closest(&self) -> Choice {

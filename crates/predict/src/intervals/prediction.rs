@@ -15,7 +15,8 @@ use crate::intervals::sources::{
     by_rate_effect, interval,
 };
 use crate::intervals::tested::{
-    COARSE_S, Direction, OwnTest, RecordFactors, SAMPLING_S, STEP, Tested, TestedFront, at_crush, half_difference, relative,
+    COARSE_S, Direction, OwnTest, RecordFactors, SAMPLING_S, STEP, Tested, TestedFront, at_crush, half_difference,
+    relative,
 };
 
 /// What the test of a vehicle supports of a prediction.

@@ -159,7 +159,8 @@ impl<'a> OwnTest<'a> {
     /// J. Energy goes as the square of the crush, as on a straight curve.
     pub fn peak_by_crush(&self, energy_j: f64, deviation: f64) -> f64 {
         let largest = |share: f64| self.made.felt.as_ref()?.largest_until(share * energy_j / self.mass_kg);
-        let three = largest((1.0 - 2.0 * deviation).max(LEAST_SHARE)).zip(largest(1.0)).zip(largest(1.0 + 2.0 * deviation));
+        let three =
+            largest((1.0 - 2.0 * deviation).max(LEAST_SHARE)).zip(largest(1.0)).zip(largest(1.0 + 2.0 * deviation));
         three.map_or(0.0, |((low, own), high)| 0.5 * (high - low) / own)
     }
 

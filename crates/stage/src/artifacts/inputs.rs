@@ -3,9 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crumple_artifact::records::{
-    ChannelFilterV1, ConcernV1, ConcernsV2, DiagnosisV1, EventsV1, TestV1,
-};
+use crumple_artifact::records::{ChannelFilterV1, ConcernV1, ConcernsV2, DiagnosisV1, EventsV1, TestV1};
 use crumple_artifact::{Artifact, InputDigest, ReadError, Record, Wave, same_type};
 use crumple_signal::{
     Acceleration, BeforeEvent, IntegrationRule, Measurement, QuantityKind, Sampled, TestDescription, TwoPassFilter,
@@ -426,7 +424,7 @@ impl Inputs {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crumple_artifact::records::SeverityV1;
+    use crumple_artifact::records::{MetricsV2, SeverityV1};
     use crumple_artifact::{ArtifactBuilder, Compression, Provenance, put_json};
 
     /// An artifact of a stage about the record with this digest.
@@ -524,7 +522,7 @@ mod tests {
         assert_eq!(problem(0.7001), None, "four digits");
         assert_eq!(problem(0.700_6), None, "within a thousandth");
         let two = problem(1.7).unwrap();
-        assert!(two.ends_with("3.mcap: the dynamic crush is 0.7 m in /events, 1.7 m in /metrics"), "{two}");
+        assert!(two.ends_with("dynamic_crush is 1.7000 m in /metrics, 0.7000 m in /events [CR307]"), "{two}");
     }
 
     #[test]

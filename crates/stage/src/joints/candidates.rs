@@ -185,7 +185,8 @@ fn prediction_outside(parts: &RunParts<'_>) -> Vec<Finding> {
     for (number, prediction) in records::<PredictionV1>(artifact, "/prediction/") {
         let fields = serde_json::to_value(&prediction).unwrap_or_default();
         let value = |name: &str| fields.pointer(&format!("/{}", name.replace('.', "/")))?.as_f64();
-        let stated = prediction.intervals.iter().filter_map(|i| Some((i.name.as_str(), value(&i.name)?, i.low, i.high)));
+        let stated =
+            prediction.intervals.iter().filter_map(|i| Some((i.name.as_str(), value(&i.name)?, i.low, i.high)));
         let Some((name, value, low, high)) = stated.into_iter().find(|(_, v, low, high)| is_outside(*v, *low, *high))
         else {
             continue;

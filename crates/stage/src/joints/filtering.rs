@@ -116,11 +116,8 @@ fn begins_elsewhere(parts: &RunParts<'_>) -> Vec<Finding> {
     if !is_early && !misses_contact {
         return Vec::new();
     }
-    let text = format!(
-        "the filtered pulse begins at {:.1} ms, the record at {:.1} ms",
-        filtered_s * 1e3,
-        recorded_s * 1e3
-    );
+    let text =
+        format!("the filtered pulse begins at {:.1} ms, the record at {:.1} ms", filtered_s * 1e3, recorded_s * 1e3);
     finding(About::Time, vec![("filtered_from_s", filtered_s), ("recorded_from_s", recorded_s)], text)
 }
 
@@ -130,11 +127,8 @@ fn ends_early(parts: &RunParts<'_>) -> Vec<Finding> {
     if filtered_s >= recorded_s - pulse.coarser_s() {
         return Vec::new();
     }
-    let text = format!(
-        "the filtered pulse ends at {:.1} ms, the record at {:.1} ms",
-        filtered_s * 1e3,
-        recorded_s * 1e3
-    );
+    let text =
+        format!("the filtered pulse ends at {:.1} ms, the record at {:.1} ms", filtered_s * 1e3, recorded_s * 1e3);
     finding(About::Pulse, vec![("filtered_to_s", filtered_s), ("recorded_to_s", recorded_s)], text)
 }
 
@@ -158,8 +152,7 @@ const AREA: f64 = 0.03;
 fn changes_the_velocity(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some(pulse) = Pulse::of(parts) else { return Vec::new() };
     let recorded = pulse.recorded_in_place();
-    let (from_s, to_s) =
-        (recorded.t0_s().max(pulse.filtered.t0_s()), end_of(&recorded).min(end_of(pulse.filtered)));
+    let (from_s, to_s) = (recorded.t0_s().max(pulse.filtered.t0_s()), end_of(&recorded).min(end_of(pulse.filtered)));
     let (Some(of_record), Some(of_filter)) =
         (Running::of(&recorded).over(from_s, to_s), Running::of(pulse.filtered).over(from_s, to_s))
     else {
@@ -204,6 +197,7 @@ fn is_marked_as_failed(parts: &RunParts<'_>) -> Vec<Finding> {
     if failed_after < all || failed_before == before.channels.len() || all == 0 {
         return Vec::new();
     }
-    let text = format!("{failed_after} of {all} channels are marked as failed after the filter, {failed_before} before");
+    let text =
+        format!("{failed_after} of {all} channels are marked as failed after the filter, {failed_before} before");
     finding(About::Record, vec![("failed_after", failed_after as f64), ("failed_before", failed_before as f64)], text)
 }

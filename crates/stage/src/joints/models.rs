@@ -85,7 +85,8 @@ pub(crate) fn shape_fault(model: &StateSpaceV1) -> Option<String> {
 
 /// Every topic of a model with what is wrong with its matrices.
 fn faults(artifact: &Artifact) -> impl Iterator<Item = (String, String)> {
-    let spaces = records::<StateSpaceV1>(artifact, "/model/").filter_map(|(id, model)| Some((id, shape_fault(&model)?)));
+    let spaces =
+        records::<StateSpaceV1>(artifact, "/model/").filter_map(|(id, model)| Some((id, shape_fault(&model)?)));
     let functions = records::<TransferFunctionV1>(artifact, "/model/").filter_map(|(id, model)| {
         let first = model.denominator.first().copied();
         (first != Some(1.0)).then(|| (id, format!("the denominator starts with {first:?}, expected 1")))

@@ -260,11 +260,12 @@ fn rebound_contradicts_itself(parts: &RunParts<'_>) -> Vec<Finding> {
     };
     let differs = |stated: f64, of: f64| (stated - of).abs() > 0.01 * speed.abs() + 1e-3;
     if let Some(change) = events.delta_v_m_per_s.filter(|change| differs(*change, speed - rebound)) {
-        let text = format!(
-            "delta-v is {change:.2} m/s, impact speed less rebound velocity {:.2} m/s",
-            speed - rebound
+        let text = format!("delta-v is {change:.2} m/s, impact speed less rebound velocity {:.2} m/s", speed - rebound);
+        return finding(
+            About::Motion,
+            vec![("delta_v_m_per_s", change), ("difference_m_per_s", speed - rebound)],
+            text,
         );
-        return finding(About::Motion, vec![("delta_v_m_per_s", change), ("difference_m_per_s", speed - rebound)], text);
     }
     let stated = events.coefficient_of_restitution.filter(|e| differs(e * speed, -rebound));
     let Some(restitution) = stated.filter(|_| speed != 0.0) else { return Vec::new() };
@@ -296,10 +297,8 @@ fn outside_of_its_interval(parts: &RunParts<'_>) -> Vec<Finding> {
 fn metric_and_event_differ(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some(motion) = Motion::of(parts) else { return Vec::new() };
     let Some(metrics) = record::<MetricsV2>(motion.artifact, "/metrics") else { return Vec::new() };
-    let events = [
-        ("dynamic_crush", motion.events.dynamic_crush_m, "m"),
-        ("delta_v", motion.events.delta_v_m_per_s, "m/s"),
-    ];
+    let events =
+        [("dynamic_crush", motion.events.dynamic_crush_m, "m"), ("delta_v", motion.events.delta_v_m_per_s, "m/s")];
     for (name, event, unit) in events {
         let metric = metrics.metrics.iter().find(|m| m.name == name && m.channel == motion.events.channel);
         let Some((event, metric)) = event.zip(metric) else { continue };

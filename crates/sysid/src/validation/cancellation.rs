@@ -140,7 +140,7 @@ mod tests {
         }
         let truth: Vec<f64> = y.iter().zip(&v).map(|(y, v)| y + v).collect();
         let output: Vec<f64> = truth.iter().map(|truth| truth + 0.25 * random.normal()).collect();
-        let of_the_truth = fit_measures(&output, &truth).fit_percent.unwrap();
+        let of_the_truth = fit_measures(&output, &truth).and_then(|fit| fit.fit_percent).unwrap();
         (IoData::single(u, output, 0.1).unwrap(), of_the_truth)
     }
 

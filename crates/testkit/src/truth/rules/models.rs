@@ -405,14 +405,14 @@ pub const CHOICE_RULES: &[Rule] = &[
     ),
     says(
         "because.simplest",
-        "{count} numbers, all determined, displacement fit as measured {fit}",
-        &[("count", Number), ("fit", Number)],
+        "{count} numbers, all determined, displacement fit as measured {fit}{missed}",
+        &[("count", Number), ("fit", Number), ("missed", Rest)],
         simplest,
     ),
     says(
         "because.simplest-open",
-        "{determined} of {parameters} parameters determined{magnitude}, displacement fit as measured {fit}",
-        &[("determined", Number), ("parameters", Number), ("magnitude", Rest), ("fit", Number)],
+        "{determined} of {parameters} parameters determined{magnitude}, displacement fit as measured {fit}{missed}",
+        &[("determined", Number), ("parameters", Number), ("magnitude", Rest), ("fit", Number), ("missed", Rest)],
         simplest,
     ),
     says(
@@ -429,14 +429,14 @@ pub const CHOICE_RULES: &[Rule] = &[
     ),
     says(
         "because.simplest-one",
-        "one number, determined, displacement fit as measured {fit}",
-        &[("fit", Number)],
+        "one number, determined, displacement fit as measured {fit}{missed}",
+        &[("fit", Number), ("missed", Rest)],
         simplest,
     ),
     says(
         "because.simplest-unassessed",
-        "{count} numbers, not known how well, displacement fit as measured {fit}",
-        &[("count", Number), ("fit", Number)],
+        "{count} numbers, not known how well, displacement fit as measured {fit}{missed}",
+        &[("count", Number), ("fit", Number), ("missed", Rest)],
         unassessed,
     ),
     says("because.recommended-unassessed", "{class}, {count} numbers, not known how well{more}", &[], unassessed),
@@ -444,6 +444,21 @@ pub const CHOICE_RULES: &[Rule] = &[
     says("because.none-qualifies", "no adequate candidate qualifies ({reasons})", &[], |_, spot| {
         holds(spot.made.recommended().is_none(), || "a model is recommended".to_owned())
     }),
+    says(
+        "because.no-stop",
+        "the dynamic crush is not in the record: the velocity never reaches zero",
+        &[],
+        |_, spot| {
+            let crush = spot.made.number("/events/dynamic_crush_m").filter(|crush| *crush > 0.0);
+            holds(crush.is_none(), || format!("the crush is {} m", crush.unwrap_or_default()))
+        },
+    ),
+    says(
+        "because.other-axis",
+        "channel {channel} is along {axis}, and the models are of a crush along x",
+        &[("channel", Words), ("axis", Words)],
+        |_, spot| holds(spot.made.known.subject == Subject::OtherAxis, || "the pulse is along x".to_owned()),
+    ),
     says("because.no-waves", "no acceleration and displacement of the pulse up to dynamic crush", &[], none_adequate),
     says("because.no-closest", "no physical candidate has a displacement to compare", &[], |_, spot| {
         let physical = spot

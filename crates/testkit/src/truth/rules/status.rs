@@ -225,7 +225,8 @@ fn usable(_: &Said, spot: &Spot<'_>) -> Result<(), String> {
         return Err(format!("the recommended model does not repeat its own test: {miss}"));
     }
     let certainties = &best["certainties"];
-    holds(certainties["determined"] == certainties["parameters"], || {
+    let all_are_known = certainties["determined"] == certainties["parameters"];
+    holds(all_are_known || has_the_forces(made, best), || {
         format!("{} of {} numbers are determined", certainties["determined"], certainties["parameters"])
     })?;
     let prediction = answer(made).ok_or("nothing is predicted")?;
@@ -240,6 +241,14 @@ fn usable(_: &Said, spot: &Spot<'_>) -> Result<(), String> {
     holds(!prediction["partner"].is_null() || off.abs() <= USABLE_PERCENT, || {
         format!("its crush at {:.1} km/h is off by {off:.1} %", 3.6 * speed)
     })
+}
+
+/// Whether a model misses the decelerations of the record by no more than 15 % of their mean, `v0²/2C`: then its forces
+/// are known together, though none may be known beside the others.
+fn has_the_forces(made: &Made, best: &serde_json::Value) -> bool {
+    let misfit = made.rated(best).and_then(|rated| rated.misfit);
+    let events = made.number("/events/impact_speed_m_per_s").zip(made.number("/events/dynamic_crush_m"));
+    misfit.zip(events).is_some_and(|(misfit, (speed, crush))| misfit <= 0.15 * 0.5 * speed * speed / crush)
 }
 
 /// Of a sound record with a model that repeats its own test there is something to use.
