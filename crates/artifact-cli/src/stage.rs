@@ -16,7 +16,7 @@ use crumple_artifact::{
 use crumple_signal::value::Length;
 use crumple_stage::joints::{Contradiction, contradictions, invariant, invariants};
 use crumple_stage::{
-    ExitStatus, Program, Refused, Usage, artifacts_of_a_run, columns, keep_budget, labelled, nearest, printable,
+    ExitStatus, Program, Refused, Usage, artifacts_of_a_run, columns, keep_budget, labelled, load_artifacts, nearest, printable,
     program, refuse_to_overwrite, run_tool, say, to_stdout, unknown_name, wrapped,
 };
 
@@ -166,8 +166,10 @@ fn notes(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
             files.push(path.clone());
         }
     }
-    let artifacts = files.iter().map(|path| open(path)).collect::<Result<Vec<_>, _>>()?;
-    let notes = StageNotes::of(&artifacts).map_err(Refused::from)?;
+    keep_budget(&files, ExitStatus::Refused);
+    // Those of one run, or nothing is said of them together.
+    let loaded = load_artifacts(&files)?.input;
+    let notes = StageNotes::of(loaded.artifacts()).map_err(Refused::from)?;
     let notes = match ranked {
         Some(concerns) => notes.ranked_as(concerns),
         None => notes,

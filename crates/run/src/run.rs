@@ -10,7 +10,8 @@ use crumple_stage::{ExitStatus, Usage, by_way, chain, memory_limit_flag, say};
 
 use crate::command::{Options, Pipeline, Stage, Words, chain_of, dependents, stages_of};
 use crate::folder::content::{
-    PipelineOfRun, folder_of_new_results, pipeline_before, refuse_files_of_others, state_of, sweep, written,
+    PipelineOfRun, folder_of_new_results, pipeline_before, refuse_files_of_others, refuse_links, state_of, sweep,
+    written,
 };
 use crate::folder::lock::{LockedFolder, is_at};
 use crate::messages::{
@@ -45,6 +46,7 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
     note_run(&mut composed, &options, &pipeline, &stages);
     let folder = locked(&options, path)?;
     let path = folder.path();
+    refuse_links(folder.path(), outputs().chain([PIPELINE_OF_A_RUN]))?;
     let before = pipeline_before(folder.path())?;
     if options.again.is_none() {
         refuse_files_of_others(folder.path(), outputs())?;

@@ -59,6 +59,20 @@ pub(crate) fn refuse_files_of_others<'a>(folder: &Path, outputs: impl Iterator<I
     }
 }
 
+/// Refuses a folder in which a result is a link: a run would write through it, into the results of another.
+pub(crate) fn refuse_links<'a>(folder: &Path, mut outputs: impl Iterator<Item = &'a str>) -> Result<(), Usage> {
+    let is_link = |name: &&str| fs::symlink_metadata(folder.join(name)).is_ok_and(|found| found.is_symlink());
+    let Some(name) = outputs.find(is_link) else { return Ok(()) };
+    let link = folder.join(name);
+    let target = fs::read_link(&link).unwrap_or_default();
+    let problem = format!(
+        "{} is a link to {}; a run would write through it, and nothing was run",
+        link.display(),
+        target.display()
+    );
+    Err(Usage::new(problem).hint(format!("remove the link: rm {}", link.display())))
+}
+
 /// Digest of every byte of the results, and of which file each program is; an error where one of them is missing.
 ///
 /// A program is known by its place on the disk, its size and the times of its content and of its inode: the system sets

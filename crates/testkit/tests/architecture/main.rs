@@ -82,3 +82,43 @@ fn the_house_keeps_its_rules() {
     broken.extend(pages::other_versions(&root()));
     assert!(broken.is_empty(), "{} rules broken\n{}", broken.len(), broken.join("\n"));
 }
+
+/// Files in which variables of the environment stand, below the root.
+const WITH_VARIABLES: [&str; 10] =
+    [".ci", "action.yml", "ci", "crates", "docs", "justfile", "page", "pipelines", "python", "scripts"];
+
+/// Names of variables in a text: `CRUMPLE_` and what follows in capitals.
+fn variables_in(text: &str) -> impl Iterator<Item = &str> {
+    text.match_indices("CRUMPLE_").filter_map(|(at, prefix)| {
+        let rest = &text[at + prefix.len()..];
+        let length = rest.find(|c: char| !(c.is_ascii_uppercase() || c == '_')).unwrap_or(rest.len());
+        let name = &text[at..at + prefix.len() + length];
+        (length > 0 && !name.ends_with('_')).then_some(name)
+    })
+}
+
+fn read_texts(path: &Path, texts: &mut Vec<(PathBuf, String)>) {
+    if path.is_dir() {
+        fs::read_dir(path).unwrap().for_each(|entry| read_texts(&entry.unwrap().path(), texts));
+    } else if let Ok(text) = fs::read_to_string(path) {
+        texts.push((path.to_owned(), text));
+    }
+}
+
+#[test]
+fn every_variable_that_the_project_reads_is_in_its_list() {
+    let mut texts = Vec::new();
+    WITH_VARIABLES.iter().for_each(|path| read_texts(&root().join(path), &mut texts));
+    // Its tests name some that are none.
+    texts.retain(|(path, _)| !path.ends_with("stage/src/environment.rs"));
+    let known: Vec<&str> = crumple_stage::variables().collect();
+    let unknown: Vec<String> = texts
+        .iter()
+        .flat_map(|(path, text)| variables_in(text).map(move |name| (path, name)))
+        .filter(|(_, name)| !known.contains(name))
+        .map(|(path, name)| format!("{}: {name} is not in crates/stage/src/environment.rs", path.display()))
+        .collect();
+    assert!(unknown.is_empty(), "{}", unknown.join("\n"));
+    let unused: Vec<&&str> = known.iter().filter(|name| !texts.iter().any(|(_, text)| text.contains(**name))).collect();
+    assert!(unused.is_empty(), "{unused:?} stand nowhere");
+}

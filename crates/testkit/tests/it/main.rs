@@ -19,4 +19,5 @@ mod main_job;
 mod page;
 mod paper_pipelines;
 mod schemas;
+mod swapped;
 mod together;

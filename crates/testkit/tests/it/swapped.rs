@@ -1,0 +1,239 @@
+//! Stages by another hand: honest ones change nothing, what contradicts is refused or said first.
+
+use std::path::Path;
+use std::process::Command;
+
+use crumple_testkit::programs::{binary, number};
+use crumple_testkit::workspace;
+use serde_json::Value;
+
+/// How a run with a swapped stage has to end.
+#[derive(Debug, Clone, Copy)]
+enum End {
+    /// With the numbers of the record, and nothing said against them.
+    Right,
+    /// Refused by the row of this code.
+    Refused(&'static str),
+    /// With the row of this code as the first warning.
+    Warned(&'static str),
+    /// Without a model that is recommended, for a reason that the console says.
+    Without(&'static str),
+    /// With an error that says this.
+    Stopped(&'static str),
+}
+
+use End::{Refused, Right, Stopped, Warned, Without};
+
+const FILTERS: [(&str, End); 35] = [
+    ("honest", Right),
+    ("butterworth", Right),
+    ("raw", Right),
+    ("rate", Right),
+    ("rounded", Right),
+    ("wide", Right),
+    ("twice", Right),
+    ("causal", Warned("CR203")),
+    ("lag", Warned("CR203")),
+    ("late 3", Warned("CR203")),
+    ("early 3", Refused("CR201")),
+    ("late 20", Refused("CR201")),
+    ("early 20", Refused("CR201")),
+    ("begins late", Refused("CR201")),
+    ("begins at 10 ms", Refused("CR201")),
+    ("tail", Warned("CR202")),
+    ("sign", Refused("CR204")),
+    ("g", Refused("CR204")),
+    ("mm", Refused("CR204")),
+    ("gain", Refused("CR204")),
+    ("small gain", Refused("CR204")),
+    ("offset", Refused("CR204")),
+    ("clip", Refused("CR204")),
+    ("reverse", Warned("CR203")),
+    ("every second", Refused("CR204")),
+    ("in ms", Refused("CR204")),
+    ("zero", Refused("CR204")),
+    ("velocity", Refused("CR204")),
+    ("cut", Refused("CR204")),
+    ("half", Refused("CR204")),
+    ("absolute", Refused("CR204")),
+    ("jerk", Refused("CR204")),
+    ("failed", Warned("CR205")),
+    ("mass", Stopped("describe different tests: mass_kg")),
+    ("speed", Stopped("describe different tests: impact_speed_m_per_s")),
+];
+
+const INTEGRATIONS: [(&str, End); 31] = [
+    ("honest", Right),
+    ("euler", Right),
+    ("simpson", Right),
+    ("rate", Right),
+    ("no metrics", Right),
+    ("no force", Right),
+    ("displacement in mm", Refused("CR302")),
+    ("both in mm", Refused("CR302")),
+    ("velocity in km/h", Refused("CR30")),
+    ("crush in mm", Refused("CR30")),
+    ("time in ms", Refused("CR304")),
+    ("crush x 1.3", Refused("CR304")),
+    ("crush x 0.95", Refused("CR304")),
+    ("restitution", Refused("CR305")),
+    ("delta-v", Refused("CR305")),
+    ("delta-v in km/h", Refused("CR305")),
+    ("peak of another", Refused("CR305")),
+    ("speed x 1.2", Refused("CR303")),
+    ("without speed", Refused("CR30")),
+    ("sign", Refused("CR301")),
+    ("sign of displacement", Refused("CR302")),
+    ("all signs", Refused("CR301")),
+    ("displacement late", Refused("CR302")),
+    ("all late", Refused("CR301")),
+    ("force in kN", Refused("CR308")),
+    ("force of another mass", Refused("CR308")),
+    ("metric in km/h", Refused("CR307")),
+    ("another crush", Refused("CR307")),
+    ("outside", Refused("CR306")),
+    ("metric outside", Refused("CR306")),
+    ("of no kind", Stopped("ended with exit code 2")),
+];
+
+const IDENTIFICATIONS: [(&str, End); 10] = [
+    ("honest", Right),
+    ("no modes", Right),
+    ("two rows", Refused("CR401")),
+    ("ragged", Refused("CR401")),
+    ("of another", Refused("CR402")),
+    ("sampled", Refused("CR402")),
+    ("sign", Refused("CR40")),
+    ("in Hz", Refused("CR403")),
+    ("damping", Refused("CR403")),
+    ("fit", Refused("CR404")),
+];
+
+const SOLUTIONS: [(&str, End); 15] = [
+    ("honest", Right),
+    ("recommended", Right),
+    ("interval", Right),
+    ("double mass", Warned("CR501")),
+    ("recommended of double mass", Warned("CR501")),
+    ("recommended in N/mm", Without("crush")),
+    ("in N/mm", Without("crush")),
+    ("three times as stiff", Without("crush")),
+    ("outside", Refused("CR502")),
+    ("nobody", Refused("CR503")),
+    ("other names", Stopped("stiffness_n_per_m")),
+    ("of tomorrow", Without("of-tomorrow")),
+    ("no mass", Stopped("mass_kg")),
+    ("no damping", Stopped("damping_n_s_per_m")),
+    ("negative", Without("crush")),
+];
+
+const ANSWERS: [(&str, &str, End); 6] = [
+    ("simulate", "crush", Refused("CR601")),
+    ("simulate", "nobody", Refused("CR602")),
+    ("predict", "value", Refused("CR701")),
+    ("predict", "interval", Refused("CR701")),
+    ("predict", "nobody", Refused("CR602")),
+    ("predict", "no speed", Refused("CR702")),
+];
+
+/// Runs the fixture with a stage swapped and says in what its end differs from what it has to be.
+fn difference(stage: &str, mode: &str, end: End) -> Option<String> {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/it/swapped_stages.py");
+    let folder = tempfile::tempdir().unwrap();
+    let programs = binary("crumple").parent().unwrap().to_owned();
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let paths = std::env::join_paths(std::iter::once(programs.clone()).chain(std::env::split_paths(&path))).unwrap();
+    let ended = Command::new(programs.join("crumple"))
+        .arg("run")
+        .arg(workspace().join("fixtures/elastoplastic/crash.csv"))
+        .arg("--project")
+        .arg(workspace())
+        .args(["--stage", &format!("{stage}=python3 '{}' '{stage}:{mode}'", script.display()), "--out"])
+        .arg(folder.path())
+        .env("PATH", paths)
+        .output()
+        .unwrap();
+    let code = ended.status.code().unwrap_or(-1);
+    let said = String::from_utf8_lossy(&ended.stderr) + String::from_utf8_lossy(&ended.stdout);
+    let text = std::fs::read_to_string(folder.path().join("summary.json")).unwrap_or_default();
+    let summary: Value = serde_json::from_str(&text).unwrap_or_default();
+    let remarks = summary["remarks"].as_array().cloned().unwrap_or_default();
+    let is_first = |code: &str| remarks.first().is_some_and(|remark| remark["code"] == code);
+    let first_concern = summary["concerns"][0]["text"].as_str().unwrap_or_default().to_owned();
+    let is_as_asked = match end {
+        Right => {
+            let golden = workspace().join("fixtures/elastoplastic/golden/summary.json");
+            let golden: Value = serde_json::from_str(&std::fs::read_to_string(golden).unwrap()).unwrap();
+            let crush = number(&golden, &["events", "dynamic_crush_m"]);
+            code == 0
+                && remarks.is_empty()
+                && (number(&summary, &["events", "dynamic_crush_m"]) / crush - 1.0).abs() < 0.02
+        }
+        Refused(row) => code == 3 && said.contains(&format!("[{row}")) && text.is_empty(),
+        Warned(row) => [0, 4].contains(&code) && is_first(row) && remarks[0]["text"] == first_concern.as_str(),
+        Without(word) => [0, 4].contains(&code) && summary["recommended"].is_null() && said.contains(word),
+        Stopped(word) => ![0, 4].contains(&code) && said.contains(word),
+    };
+    (!is_as_asked).then(|| format!("{stage} {mode}: {end:?}, exit {code}, {remarks:?}\n{said}\n"))
+}
+
+fn check(runs: impl IntoIterator<Item = (&'static str, &'static str, End)>) {
+    use rayon::prelude::*;
+    let runs: Vec<_> = runs.into_iter().collect();
+    let differ: Vec<String> = runs.par_iter().filter_map(|(stage, mode, end)| difference(stage, mode, *end)).collect();
+    assert!(differ.is_empty(), "{} of {}\n{}", differ.len(), runs.len(), differ.join("\n"));
+}
+
+#[test]
+fn filters() {
+    check(FILTERS.map(|(mode, end)| ("filter", mode, end)));
+}
+
+#[test]
+fn integrations() {
+    check(INTEGRATIONS.map(|(mode, end)| ("integrate", mode, end)));
+}
+
+#[test]
+fn identifications() {
+    check(IDENTIFICATIONS.map(|(mode, end)| ("identify", mode, end)));
+}
+
+#[test]
+fn solutions_and_answers() {
+    check(SOLUTIONS.map(|(mode, end)| ("parameter-solve", mode, end)).into_iter().chain(ANSWERS));
+}
+
+/// Marks around the codes of docs/remarks.md.
+const BEGIN: &str = "<!-- codes -->\n";
+const END: &str = "<!-- end of codes -->\n";
+
+fn codes() -> String {
+    let of = |row: &crumple_stage::joints::Invariant| {
+        let [found, decided, means, remedy] = row.explanation;
+        let how = if row.ends_the_run { "refused, exit code 3" } else { "a warning" };
+        let paragraphs = [
+            format!("{found} *{how}*"),
+            format!("Decided: {decided}"),
+            format!("Means: {means}"),
+            format!("Do: {remedy}."),
+        ];
+        let wrapped = paragraphs.map(|text| crumple_stage::wrapped(&text, 120).join("\n"));
+        format!("## {}\n{}\n\n", row.code, wrapped.join("\n\n"))
+    };
+    crumple_stage::joints::invariants().map(of).collect()
+}
+
+/// `CRUMPLE_WRITE_DOCS=1` writes the codes.
+#[test]
+fn the_page_lists_every_code() {
+    let path = workspace().join("docs/remarks.md");
+    let page = std::fs::read_to_string(&path).unwrap();
+    let (before, rest) = page.split_once(BEGIN).unwrap();
+    let (found, after) = rest.split_once(END).unwrap();
+    if std::env::var_os("CRUMPLE_WRITE_DOCS").is_some() {
+        std::fs::write(&path, format!("{before}{BEGIN}{}{END}{after}", codes())).unwrap();
+        return;
+    }
+    assert_eq!(found, codes(), "docs/remarks.md and the rows differ: run with CRUMPLE_WRITE_DOCS=1");
+}
