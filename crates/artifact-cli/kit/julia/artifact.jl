@@ -1,4 +1,4 @@
-# Reads and writes artifacts for stages in Julia: include("artifact.jl") unpacks the inputs that the stage was called with.
+# Reads and writes artifacts for stages in Julia: include("artifact.jl") unpacks the inputs of the stage.
 const WORK = mktempdir() # Julia removes it
 const OUT = mkdir(joinpath(WORK, "out"))
 const RECORDS = Dict{String,String}()

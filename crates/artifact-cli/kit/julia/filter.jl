@@ -7,8 +7,8 @@ for (id, wave) in WAVES
     first, last = max.((1:n) .- half, 1), min.((1:n) .+ half, n)
     smooth = (sums[last .+ 1] .- sums[first]) ./ (last .- first .+ 1)
     put_wave(id, wave.quantity, wave.t0_s, wave.dt_s, smooth)
-    put("/filter/$id", "ChannelFilter.v1", """{"mode":"moving-average","phase":"zero","samples_added":0,"coefficients":[],
-        "width_s":$((2 * half + 1) * wave.dt_s),"zero_level_removed":0,"notes":[]}""")
+    put("/filter/$id", "ChannelFilter.v1", """{"mode":"moving-average","phase":"zero","samples_added":0,
+        "width_s":$((2 * half + 1) * wave.dt_s),"coefficients":[],"zero_level_removed":0,"notes":[]}""")
 end
 pass("/quality/")
 finish()

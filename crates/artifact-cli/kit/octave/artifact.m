@@ -1,4 +1,4 @@
-% Reads and writes artifacts for stages in Octave: source("artifact.m") unpacks the inputs that the stage was called with.
+% Reads and writes artifacts for stages in Octave: source("artifact.m") unpacks the inputs of the stage.
 1;
 
 function call(varargin) % crumple artifact ...; where it fails, the stage ends with its exit code

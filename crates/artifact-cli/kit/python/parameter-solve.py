@@ -4,7 +4,8 @@ import crumple
 
 def kelvin(artifact):
     test, events = artifact.records["/test"], artifact.records["/events"]
-    m, v0, crush, end = test.mass_kg, events.impact_speed_m_per_s, events.dynamic_crush_m, events.time_of_dynamic_crush_s
+    m, v0 = test.mass_kg, events.impact_speed_m_per_s
+    crush, end = events.dynamic_crush_m, events.time_of_dynamic_crush_s
     if not (m and v0 and crush and end):
         raise crumple.Refused("mass, impact speed, dynamic crush and its time must be known")
     # v0 tm / C is pi/2 + (pi^2/4 - 1) z of a damping ratio z, to first order.

@@ -1,4 +1,4 @@
-# Reads and writes artifacts for stages in R: source("artifact.R") unpacks the inputs that the stage was called with.
+# Reads and writes artifacts for stages in R: source("artifact.R") unpacks the inputs of the stage.
 kit <- new.env()
 kit$work <- tempfile("stage") # R removes it
 kit$records <- list()

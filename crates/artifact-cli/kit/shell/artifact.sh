@@ -1,4 +1,4 @@
-# Reads and writes artifacts for stages in shell: `. artifact.sh` unpacks the inputs that the stage was called with.
+# Reads and writes artifacts for stages in shell: `. artifact.sh` unpacks the inputs of the stage.
 set -eu
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
