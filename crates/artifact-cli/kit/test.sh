@@ -1,8 +1,7 @@
 #!/bin/sh
-# Runs a record with this stage in its place of the chain and checks what it wrote: sh test.sh RECORD
+# Runs a record with this stage in its place of the chain, into run/ beside this file, and checks what the stage wrote.
+# sh test.sh RECORD
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
-runs=$(mktemp -d)
-trap 'rm -rf "$runs"' EXIT
-CRUMPLE_STAGE="COMMAND '$here/stage.ENDING'" crumple run "${1:?name a record: sh test.sh RECORD}" -o "$runs/run"
-crumple check "$runs/run/OUTPUT"
+CRUMPLE_STAGE="COMMAND '$here/stage.ENDING'" crumple run "${1:?name a record: sh test.sh RECORD}" -o "$here/run"
+crumple check "$here/run/OUTPUT"

@@ -37,12 +37,9 @@ impl Language {
     fn tools(self) -> Tools {
         match self {
             Self::Python => Tools { name: "Python", ending: "py", command: "python3", artifact: "" },
-            Self::Shell => Tools {
-                name: "shell",
-                ending: "sh",
-                command: "sh",
-                artifact: include_str!("../kit/shell/artifact.sh"),
-            },
+            Self::Shell => {
+                Tools { name: "shell", ending: "sh", command: "sh", artifact: include_str!("../kit/shell/artifact.sh") }
+            }
             // It complains about its history where nobody types.
             Self::Octave => Tools {
                 name: "Octave",
@@ -89,14 +86,8 @@ macro_rules! kit {
     };
 }
 
-static KITS: [Kit; 6] = [
-    kit!("filter"),
-    kit!("integrate"),
-    kit!("identify"),
-    kit!("parameter-solve"),
-    kit!("simulate"),
-    kit!("predict"),
-];
+static KITS: [Kit; 6] =
+    [kit!("filter"), kit!("integrate"), kit!("identify"), kit!("parameter-solve"), kit!("simulate"), kit!("predict")];
 
 /// What a run asks of every stage.
 const EVERY_STAGE: &str = include_str!("../kit/contract/every-stage.md");

@@ -1,5 +1,6 @@
 # Filter: a moving average over 4.5 ms, about CFC 60. Its ends are means of the samples that there are.
-source(file.path(dirname(sub("--file=", "", grep("--file=", commandArgs(), value = TRUE)[1])), "artifact.R"))
+program <- sub("--file=", "", grep("--file=", commandArgs(), value = TRUE)[1])
+source(file.path(dirname(gsub("~+~", " ", program, fixed = TRUE)), "artifact.R"))
 for (wave in kit$waves) {
     half <- round(0.0022 / wave$dt_s)
     n <- length(wave$samples)

@@ -1,5 +1,6 @@
 # Identify: one undamped mode. Its quarter period is the time of dynamic crush.
-source(file.path(dirname(sub("--file=", "", grep("--file=", commandArgs(), value = TRUE)[1])), "artifact.R"))
+program <- sub("--file=", "", grep("--file=", commandArgs(), value = TRUE)[1])
+source(file.path(dirname(gsub("~+~", " ", program, fixed = TRUE)), "artifact.R"))
 last <- number("/events", "time_of_dynamic_crush_s")
 id <- text_of("/events", "channel")
 samples <- round(last / wave(paste0(id, "/displacement"))$dt_s) + 1

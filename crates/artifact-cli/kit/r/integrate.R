@@ -1,5 +1,6 @@
 # Integrate: velocity and displacement of the pulse by the trapezoidal rule, from the impact speed at its start.
-source(file.path(dirname(sub("--file=", "", grep("--file=", commandArgs(), value = TRUE)[1])), "artifact.R"))
+program <- sub("--file=", "", grep("--file=", commandArgs(), value = TRUE)[1])
+source(file.path(dirname(gsub("~+~", " ", program, fixed = TRUE)), "artifact.R"))
 a <- wave(pulse())
 v0 <- number("/test", "impact_speed_m_per_s")
 total <- function(y) c(0, cumsum((y[-1] + y[-length(y)]) / 2 * a$dt_s))

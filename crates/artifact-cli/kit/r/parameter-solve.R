@@ -1,5 +1,6 @@
 # Parameter-solve: a Kelvin model (spring beside damper) that has the dynamic crush of the test and its time.
-source(file.path(dirname(sub("--file=", "", grep("--file=", commandArgs(), value = TRUE)[1])), "artifact.R"))
+program <- sub("--file=", "", grep("--file=", commandArgs(), value = TRUE)[1])
+source(file.path(dirname(gsub("~+~", " ", program, fixed = TRUE)), "artifact.R"))
 m <- number("/test", "mass_kg")
 v0 <- number("/events", "impact_speed_m_per_s")
 crush <- number("/events", "dynamic_crush_m")

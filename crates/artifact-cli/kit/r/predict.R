@@ -1,5 +1,6 @@
 # Predict: dynamic crush of the Kelvin candidates at 40 km/h. It rises with the speed, and its time stays.
-source(file.path(dirname(sub("--file=", "", grep("--file=", commandArgs(), value = TRUE)[1])), "artifact.R"))
+program <- sub("--file=", "", grep("--file=", commandArgs(), value = TRUE)[1])
+source(file.path(dirname(gsub("~+~", " ", program, fixed = TRUE)), "artifact.R"))
 v0 <- 40 / 3.6 # m/s
 candidates <- topics("/parameters/kelvin/")
 if (length(candidates) == 0) refuse("no candidate is a Kelvin model, and this stage predicts with no other")

@@ -1,5 +1,6 @@
 # Simulate: the Kelvin candidates, in steps of 0.1 ms, until their force ends or for 0.2 s.
-source(file.path(dirname(sub("--file=", "", grep("--file=", commandArgs(), value = TRUE)[1])), "artifact.R"))
+program <- sub("--file=", "", grep("--file=", commandArgs(), value = TRUE)[1])
+source(file.path(dirname(gsub("~+~", " ", program, fixed = TRUE)), "artifact.R"))
 candidates <- topics("/parameters/kelvin/")
 if (length(candidates) == 0) refuse("no candidate is a Kelvin model, and this stage simulates no other")
 for (topic in candidates) {

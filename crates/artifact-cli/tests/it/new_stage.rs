@@ -4,8 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-const LANGUAGES: [(&str, &str); 5] =
-    [("python", "py"), ("shell", "sh"), ("octave", "m"), ("r", "R"), ("julia", "jl")];
+const LANGUAGES: [(&str, &str); 5] = [("python", "py"), ("shell", "sh"), ("octave", "m"), ("r", "R"), ("julia", "jl")];
 
 const STAGES: [&str; 6] = ["filter", "integrate", "identify", "parameter-solve", "simulate", "predict"];
 
