@@ -14,7 +14,7 @@ pub enum Language {
     Python,
     /// With awk, grep and sed.
     Shell,
-    /// Octave 5 or later, without packages.
+    /// Octave 7 or later, without packages.
     Octave,
     /// Without packages.
     R,
