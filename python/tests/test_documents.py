@@ -1,4 +1,4 @@
-"""Code in documents runs and gives what they show: docs/python.md, the stage of docs/write-a-stage.md, the notebook."""
+"""Code in documents runs and gives what they show: docs/python.md, stages of docs/write-a-stage.md, the notebook."""
 
 import ast
 import contextlib
@@ -46,6 +46,14 @@ def test_a_function_as_a_stage(tmp_path, monkeypatch):
     assert smooth.samples[900] == pytest.approx(measured.samples[878:923].mean(), rel=1e-12)
     assert run.summary["events"]["start"] == "record-start"
     assert run.verdict
+
+
+@pytest.mark.parametrize("stage", ["filter", "integrate", "identify", "parameter-solve", "simulate", "predict"])
+def test_the_kit_of_a_stage(stage, monkeypatch):
+    file = ROOT / f"crates/artifact-cli/kit/python/{stage}.py"
+    monkeypatch.setenv(f"CRUMPLE_{stage.upper().replace('-', '_')}", f"'{sys.executable}' '{file}'")
+    run = crumple.run(RECORD)
+    assert run.summary["events"]["dynamic_crush_m"] == pytest.approx(0.6956, rel=0.01)
 
 
 def test_the_notebook_shows_what_it_gives(monkeypatch):

@@ -45,8 +45,40 @@ pub struct PlainWave {
     pub dt_s: f64,
     /// Number of samples.
     pub samples: u64,
-    /// File with the samples, 8 bytes each, little-endian IEEE 754; relative to the folder.
+    /// File with the samples, relative to the folder; its ending tells their form.
     pub file: String,
+}
+
+/// How samples stand in the file of a waveform.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SampleForm {
+    /// 8 bytes each, little-endian IEEE 754.
+    Bytes,
+    /// A number a line, in `*.txt`: the shortest text that reads back to the same number.
+    Text,
+}
+
+impl SampleForm {
+    /// The form in a file of this name.
+    pub fn of_file(name: &str) -> Self {
+        if Path::new(name).extension().is_some_and(|ending| ending == "txt") { Self::Text } else { Self::Bytes }
+    }
+
+    fn ending(self) -> &'static str {
+        match self {
+            Self::Bytes => "f64",
+            Self::Text => "txt",
+        }
+    }
+
+    /// The content of a wave's file.
+    pub fn content(self, wave: &Wave) -> Vec<u8> {
+        let samples = wave.sampled.samples().iter();
+        match self {
+            Self::Bytes => samples.flat_map(|sample| sample.to_le_bytes()).collect(),
+            Self::Text => samples.map(|sample| format!("{sample:?}\n")).collect::<String>().into_bytes(),
+        }
+    }
 }
 
 /// `provenance.json`.
@@ -133,17 +165,36 @@ impl PlainWave {
     /// Puts the description and the content of its file together.
     pub fn with_bytes(&self, bytes: &[u8]) -> Result<Wave, PlainError> {
         let bad = |problem: String| PlainError::Wave { id: self.id.clone(), problem };
-        if Some(bytes.len() as u64) != self.samples.checked_mul(8) {
-            let problem = format!("{} has {} bytes, {} samples have 8 each", self.file, bytes.len(), self.samples);
-            return Err(bad(problem));
-        }
+        let samples = match SampleForm::of_file(&self.file) {
+            SampleForm::Text => self.numbers_in(bytes).map_err(bad)?,
+            SampleForm::Bytes if Some(bytes.len() as u64) != self.samples.checked_mul(8) => {
+                let problem = format!("{} has {} bytes, {} samples have 8 each", self.file, bytes.len(), self.samples);
+                return Err(bad(problem));
+            }
+            SampleForm::Bytes => {
+                bytes.chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().unwrap_or_default())).collect()
+            }
+        };
         let quantity: QuantityKind = self.quantity.parse().map_err(|problem: String| {
             let all: Vec<&str> = QuantityKind::ALL.iter().map(|kind| kind.name()).collect();
             bad(format!("{problem}, expected one of {}", all.join(", ")))
         })?;
-        let samples = bytes.chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().unwrap_or_default())).collect();
         let sampled = Sampled::new(self.t0_s, self.dt_s, samples).map_err(|error| bad(error.to_string()))?;
         Ok(Wave { quantity, sampled })
+    }
+
+    /// The samples of a file with a number a line. Errors: a line that is no number, too few or too many lines.
+    fn numbers_in(&self, bytes: &[u8]) -> Result<Vec<f64>, String> {
+        let text = std::str::from_utf8(bytes).map_err(|error| format!("{}: {error}", self.file))?;
+        let mut numbers = Vec::new();
+        for (k, line) in text.lines().enumerate() {
+            let number = line.trim().parse::<f64>();
+            numbers.push(number.map_err(|error| format!("{}, line {}: {line:?}: {error}", self.file, k + 1))?);
+        }
+        if numbers.len() as u64 != self.samples {
+            return Err(format!("{} has {} lines, {} samples have one each", self.file, numbers.len(), self.samples));
+        }
+        Ok(numbers)
     }
 }
 
@@ -235,12 +286,12 @@ pub fn plain_records(artifact: &Artifact) -> Result<String, ReadError> {
     Ok(text)
 }
 
-/// The lines of `waves.ndjson`, in the order of the artifact's waveforms.
-pub fn plain_waves(artifact: &Artifact) -> Vec<PlainWave> {
+/// The lines of `waves.ndjson`, in the order of the artifact's waveforms, for samples in this form.
+pub fn plain_waves(artifact: &Artifact, form: SampleForm) -> Vec<PlainWave> {
     let file = |k: usize, id: &str| {
         let safe = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
         let name: String = id.chars().map(safe).take(60).collect();
-        format!("waves/{:03}-{name}.f64", k + 1)
+        format!("waves/{:03}-{name}.{}", k + 1, form.ending())
     };
     artifact
         .waves()
@@ -255,9 +306,4 @@ pub fn plain_waves(artifact: &Artifact) -> Vec<PlainWave> {
             file: file(k, id),
         })
         .collect()
-}
-
-/// The content of a wave's file.
-pub fn f64_bytes(wave: &Wave) -> Vec<u8> {
-    wave.sampled.samples().iter().flat_map(|x| x.to_le_bytes()).collect()
 }

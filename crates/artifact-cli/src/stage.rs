@@ -4,9 +4,10 @@ use std::fs;
 use std::io::IsTerminal;
 use std::path::{Component, Path, PathBuf};
 
+use crate::new_stage::{Language, new_stage};
 use crate::{
-    CurveError, CurveFormat, PlainError, PlainProvenance, PlainWave, ShowOptions, StageNotes, Wanted, assemble, check,
-    f64_bytes, parse_lines, plain_records, plain_waves, static_curves, text, write_json, write_text,
+    CurveError, CurveFormat, PlainError, PlainProvenance, PlainWave, SampleForm, ShowOptions, StageNotes, Wanted,
+    assemble, check, parse_lines, plain_records, plain_waves, static_curves, text, write_json, write_text,
 };
 use anyhow::Context;
 use crumple_artifact::records::{ConcernV1, EventsV1};
@@ -21,7 +22,7 @@ use crumple_stage::{
 };
 
 /// Shows and checks artifacts (the *.mcap files of a run), unpacks them into plain files and packs plain files into an
-/// artifact.
+/// artifact; writes kits of stages in other languages.
 #[derive(Debug, clap::Parser)]
 #[command(
     name = "crumple-artifact",
@@ -84,13 +85,16 @@ enum Command {
         #[arg(required = true, num_args = 1..=2, value_name = "[RUN] CODE")]
         words: Vec<PathBuf>,
     },
-    /// Writes an artifact as plain files: records.ndjson, waves.ndjson with raw little-endian f64 files,
-    /// provenance.json.
+    /// Writes an artifact as plain files: records.ndjson, waves.ndjson with a file of samples each (little-endian f64,
+    /// or text), provenance.json.
     Unpack {
         /// The artifact.
         file: PathBuf,
         /// Folder to write; must not exist or be empty.
         folder: PathBuf,
+        /// Write waveforms as text, a number a line, for shells and spreadsheets.
+        #[arg(long)]
+        text: bool,
         /// Write into a folder that holds something.
         #[arg(long)]
         force: bool,
@@ -111,6 +115,17 @@ enum Command {
         #[arg(short, long)]
         quiet: bool,
     },
+    /// Writes a working stage of your own to change: a program, its test, the contract of its place in the chain.
+    NewStage {
+        /// Stage that it takes the place of: filter, integrate, identify, parameter-solve, simulate, predict.
+        stage: String,
+        /// Language of the program.
+        #[arg(short, long, value_enum)]
+        language: Language,
+        /// Folder for the files [default: my-STAGE].
+        #[arg(short, long, value_name = "FOLDER")]
+        output: Option<PathBuf>,
+    },
 }
 
 /// The program.
@@ -128,8 +143,12 @@ fn run(args: Args) -> anyhow::Result<ExitStatus> {
             let (code, run) = words.split_last().context("a code is asked for")?;
             explain(&code.to_string_lossy(), run.first().map(PathBuf::as_path))
         }
-        Command::Unpack { file, folder, force, quiet } => unpack(&file, &folder, force, quiet),
+        Command::Unpack { file, folder, text, force, quiet } => {
+            let form = if text { SampleForm::Text } else { SampleForm::Bytes };
+            unpack(&file, &folder, form, force, quiet)
+        }
         Command::Pack { source, file, zstd, quiet } => pack(&source, &file, zstd, quiet),
+        Command::NewStage { stage, language, output } => new_stage(&stage, language, output),
     }
 }
 
@@ -283,9 +302,9 @@ fn explain(code: &str, run: Option<&Path>) -> anyhow::Result<ExitStatus> {
     Ok(ExitStatus::Done)
 }
 
-fn unpack(path: &Path, target: &Path, force: bool, quiet: bool) -> anyhow::Result<ExitStatus> {
+fn unpack(path: &Path, target: &Path, form: SampleForm, force: bool, quiet: bool) -> anyhow::Result<ExitStatus> {
     let artifact = open(path)?;
-    write(&artifact, target, force)?;
+    write(&artifact, target, form, force)?;
     if !quiet {
         let (records, waves) = (artifact.records().len(), artifact.waves().len());
         say(format_args!("{records} records, {waves} waves -> {}", target.display()));
@@ -311,7 +330,7 @@ const WAVES: &str = "waves.ndjson";
 const PROVENANCE: &str = "provenance.json";
 
 /// Writes an artifact as a folder of plain files.
-pub fn write(artifact: &Artifact, folder: &Path, force: bool) -> anyhow::Result<()> {
+pub fn write(artifact: &Artifact, folder: &Path, form: SampleForm, force: bool) -> anyhow::Result<()> {
     let records = plain_records(artifact).map_err(Refused::from)?;
     if !force && fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some()) {
         let problem = format!("{} exists and is not empty", folder.display());
@@ -330,8 +349,13 @@ pub fn write(artifact: &Artifact, folder: &Path, force: bool) -> anyhow::Result<
             .with_context(|| format!("cannot write {}", path.display()))
     };
     let mut lines = String::new();
-    for (line, wave) in plain_waves(artifact).iter().zip(artifact.waves().values()) {
-        put(&line.file, OutputKind::Numbers, &f64_bytes(wave))?;
+    let kind = match form {
+        SampleForm::Bytes => OutputKind::Numbers,
+        // No content tells numbers in text from other text; `--force` asks to replace them.
+        SampleForm::Text => OutputKind::Export,
+    };
+    for (line, wave) in plain_waves(artifact, form).iter().zip(artifact.waves().values()) {
+        put(&line.file, kind, &form.content(wave))?;
         lines += &serde_json::to_string(line)?;
         lines.push('\n');
     }

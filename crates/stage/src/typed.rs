@@ -40,7 +40,7 @@ pub fn by_way<'a>(alone: &'a str, within: &'a str) -> &'a str {
 }
 
 /// Commands of `crumple artifact` that are commands of `crumple` too.
-pub const OF_ARTIFACT: [&str; 5] = ["show", "notes", "curve", "check", "explain"];
+pub const OF_ARTIFACT: [&str; 6] = ["show", "notes", "curve", "check", "explain", "new-stage"];
 
 /// A program with its first words: `crumple-filter`, `crumple filter`. What `crumple artifact` shows of a file is a
 /// command of its own there.

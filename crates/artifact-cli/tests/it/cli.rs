@@ -192,6 +192,32 @@ fn unpacking_and_packing_gives_the_same_content_and_provenance() {
 }
 
 #[test]
+fn samples_as_text_read_back_to_the_same_numbers() {
+    let folder = folder();
+    let unpacked = artifact(folder.path(), &["unpack", "2-filter.mcap", "plain", "--text"]);
+    assert_eq!(unpacked.code, 0, "{}", unpacked.stderr);
+    let file = folder.path().join("plain/waves/002-93_velocity.txt");
+    let text = fs::read_to_string(&file).unwrap();
+    assert_eq!((text.lines().next(), text.lines().count()), (Some("-1.0"), 4));
+    assert_eq!(artifact(folder.path(), &["pack", "plain", "again.mcap"]).code, 0);
+    let again = Artifact::open(&folder.path().join("again.mcap")).unwrap();
+    let original = made(&builder());
+    assert_eq!((again.digest(), again.waves()), (original.digest(), original.waves()));
+    assert_eq!(again.provenance(), Some(&provenance()));
+    assert_eq!(artifact(folder.path(), &["unpack", "2-filter.mcap", "plain", "--text", "--force"]).code, 0);
+
+    for (wrong, said) in [
+        ("1\n2\nx\n4\n", "002-93_velocity.txt, line 3: \"x\": invalid float literal"),
+        ("1\n2\n3\n", "002-93_velocity.txt has 3 lines, 4 samples have one each"),
+        ("1\n2\nNaN\n4\n", "is NaN"),
+    ] {
+        fs::write(&file, wrong).unwrap();
+        let refused = artifact(folder.path(), &["pack", "plain", "wrong.mcap"]);
+        assert!(refused.code == 3 && refused.stderr.contains(said), "{}", refused.stderr);
+    }
+}
+
+#[test]
 fn what_was_edited_is_not_the_stages_own_any_more() {
     let folder = folder();
     assert_eq!(artifact(folder.path(), &["unpack", "2-filter.mcap", "plain"]).code, 0);

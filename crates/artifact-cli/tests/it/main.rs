@@ -4,3 +4,4 @@
 
 mod cli;
 mod curve;
+mod new_stage;

@@ -28,6 +28,7 @@ const WORDS: [&str; 29] = [
     "artifact check",
     "artifact unpack",
     "artifact pack",
+    "artifact new-stage",
     "ingest",
     "filter",
     "integrate",
@@ -39,6 +40,7 @@ const WORDS: [&str; 29] = [
     "show",
     "notes",
     "curve",
+    "new-stage",
 ];
 
 fn workspace() -> PathBuf {

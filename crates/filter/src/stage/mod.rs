@@ -23,8 +23,8 @@ pub struct Filter;
 impl Stage for Filter {
     const NAME: &'static str = "filter";
     const BUILD: &'static str = env!("CRUMPLE_BUILD");
-    const ABOUT: &'static str = "Removes the zero level of the acceleration channels \
-         and filters them to a channel frequency class (ISO 6487, SAE J211-1).";
+    const ABOUT: &'static str = "Filters the acceleration channels to a channel frequency class \
+         (ISO 6487, SAE J211-1) and removes their zero level.";
     type Options = Options;
     type Settings = StageSettings;
     type Input = Inputs;

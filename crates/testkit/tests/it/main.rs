@@ -14,6 +14,7 @@ mod fleet;
 mod formats;
 mod identify_cases;
 mod just_run;
+mod kits;
 mod known_truth_chain;
 mod main_job;
 mod page;

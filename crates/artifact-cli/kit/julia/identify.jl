@@ -1,0 +1,12 @@
+# Identify: one undamped mode. Its quarter period is the time of dynamic crush.
+include("artifact.jl")
+last_s = number("/events", "time_of_dynamic_crush_s")
+id = text_of("/events", "channel")
+samples = round(Int, last_s / wave("$id/displacement").dt_s) + 1
+w = pi / 2 / last_s
+pole(im) = """{"re_per_s":0,"im_rad_per_s":$im,"natural_frequency_rad_per_s":$w,"damping_ratio":0}"""
+put("/modes/quarter-sine", "Modes.v2", """{"modes":[$(pole(w)),$(pole(-w))]}""")
+put("/identification/quarter-sine", "Identification.v1", """{"method":"quarter-sine","order":2,"channel":"$id",
+    "treated_as":"free-decay","from_s":0,"to_s":$last_s,"samples":$samples,"singular_values":[],
+    "notes":["one undamped mode, from the time of dynamic crush alone"]}""")
+finish()

@@ -1,0 +1,13 @@
+% Identify: one undamped mode. Its quarter period is the time of dynamic crush.
+source(fullfile(fileparts(mfilename("fullpath")), "artifact.m"));
+last = number("/events", "time_of_dynamic_crush_s");
+id = record("/events").channel;
+w = pi / 2 / last;
+pole = @(im) sprintf( ...
+    '{"re_per_s":0,"im_rad_per_s":%.17g,"natural_frequency_rad_per_s":%.17g,"damping_ratio":0}', im, w);
+put("/modes/quarter-sine", "Modes.v2", ['{"modes":[' pole(w) ',' pole(-w) ']}']);
+put("/identification/quarter-sine", "Identification.v1", sprintf(['{"method":"quarter-sine","order":2,' ...
+    '"channel":"%s","treated_as":"free-decay","from_s":0,"to_s":%.17g,"samples":%d,"singular_values":[],' ...
+    '"notes":["one undamped mode, from the time of dynamic crush alone"]}'], ...
+    id, last, round(last / wave([id "/displacement"]).dt_s) + 1));
+finish();
