@@ -17,8 +17,8 @@ use crumple_artifact::{
 use crumple_signal::value::Length;
 use crumple_stage::joints::{Contradiction, contradictions, invariant, invariants};
 use crumple_stage::{
-    ExitStatus, Program, Refused, Usage, artifacts_of_a_run, columns, keep_budget, labelled, load_artifacts, nearest, printable,
-    program, refuse_to_overwrite, run_tool, say, to_stdout, unknown_name, wrapped,
+    ExitStatus, Program, Refused, Usage, artifacts_of_a_run, columns, keep_budget, labelled, load_artifacts, nearest,
+    printable, program, refuse_to_overwrite, run_tool, say, to_stdout, unknown_name, wrapped,
 };
 
 /// Shows and checks artifacts (the *.mcap files of a run), unpacks them into plain files and packs plain files into an

@@ -9,7 +9,7 @@ use std::process::{Command, Output};
 const CRUMPLE: &str = env!("CARGO_BIN_EXE_crumple");
 
 /// Every word that stands for a program, and those behind one.
-const WORDS: [&str; 29] = [
+const WORDS: [&str; 31] = [
     "run",
     "together",
     "fleet",
