@@ -2,9 +2,7 @@
 
 use std::ffi::OsString;
 use std::fs;
-use std::ops::Deref;
 use std::path::{Path, PathBuf, is_separator};
-use std::str::FromStr;
 
 use anyhow::Context;
 use clap::CommandFactory;
@@ -12,6 +10,7 @@ use crumple_stage::{Call, ChainStage, Usage, by_way, chain};
 
 use crate::names::{PIPELINE_OF_A_RUN, folder_of_record};
 use crate::program::{Commands, NamedPrograms, Program};
+use crate::words::{Words, request_for_information};
 
 // The command line of `crumple-run`.
 
@@ -21,8 +20,8 @@ use crate::program::{Commands, NamedPrograms, Program};
 ///
 /// Which stage reads and writes what stands in `pipelines/chain`. --stage filter=COMMAND, or CRUMPLE_FILTER in the
 /// environment, is the command of the stage filter where it is not the program of the project, and so on; it is started
-/// as `COMMAND INPUT... --pipeline FILE -o OUTPUT`. A stage whose result is up to date leaves it alone; all that was made from an old
-/// result is removed before a new one appears.
+/// as `COMMAND INPUT... --pipeline FILE -o OUTPUT`. A stage whose result is up to date leaves it alone; all that was
+/// made from an old result is removed before a new one appears.
 #[derive(Debug, clap::Parser)]
 #[command(
     name = "crumple-run",
@@ -150,8 +149,8 @@ pub(crate) fn named<C: CommandFactory>(call: &Call, stage: Option<&clap::Command
 }
 
 impl Options {
-    /// Takes the options set, and the programs named, behind `--` from among the flags of the first stage, and hands its
-    /// own flags on.
+    /// Takes the options set, and the programs named, behind `--` from among the flags of the first stage, and hands
+    /// its own flags on.
     pub(crate) fn take_own(&mut self) -> Result<(), Usage> {
         self.of_all.add_to(&mut self.flags);
         let own =
@@ -331,51 +330,6 @@ pub(crate) fn dependents(stages: &[Stage], number: usize) -> impl Iterator<Item 
     stages.iter().skip(number + 1).rev().flat_map(|later| later.outputs.iter().copied())
 }
 
-// Words as a person types them for a shell.
-
-/// Flags, as one would type them: quotes hold a word together, nothing is put in place of anything.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(crate) struct Words(pub(crate) Vec<String>);
-
-impl FromStr for Words {
-    type Err = shell_words::ParseError;
-
-    fn from_str(typed: &str) -> Result<Self, Self::Err> {
-        shell_words::split(typed).map(Self)
-    }
-}
-
-impl Words {
-    /// Whether they keep a stage quiet.
-    pub(crate) fn is_quiet(&self) -> bool {
-        self.iter().any(|word| matches!(word.as_str(), "-q" | "--quiet"))
-    }
-}
-
-impl std::fmt::Display for Words {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&shell_words::join(&self.0))
-    }
-}
-
-impl Deref for Words {
-    type Target = [String];
-
-    fn deref(&self) -> &[String] {
-        &self.0
-    }
-}
-
-/// The first of the arguments that makes a program of the project print something instead of computing.
-pub(crate) fn request_for_information<T: AsRef<str>>(arguments: impl Iterator<Item = T>) -> Option<T> {
-    arguments.take_while(|word| word.as_ref() != "--").find(|word| match word.as_ref() {
-        "--help" | "--version" | "--list" | "--generate" => true,
-        long if long.starts_with("--") => long.starts_with("--generate="),
-        // `-qh` is `-q -h`; behind any other letter stands its value.
-        word => word.strip_prefix('-').is_some_and(|short| short.trim_start_matches('q').starts_with(['h', 'V'])),
-    })
-}
-
 #[cfg(test)]
 mod tests {
 
@@ -440,25 +394,6 @@ mod tests {
             ("-h", "-h"),
         ] {
             assert_eq!(words(typed), sorted);
-        }
-    }
-
-    #[test]
-    fn words_are_split_at_blanks_outside_of_quotes_and_joined_again() {
-        let words: Words = r#"-q 'a b' "c 'd'" e\ f $x"#.parse().unwrap();
-        assert_eq!(*words, ["-q", "a b", "c 'd'", "e f", "$x"]);
-        assert_eq!(words.to_string().parse::<Words>().unwrap(), words);
-        assert!("'open".parse::<Words>().is_err());
-    }
-
-    #[test]
-    fn flags_that_print_are_known_in_any_form() {
-        let request = |text: &str| request_for_information(text.split(' ').map(str::to_owned));
-        for flag in ["-h", "--help", "-V", "--version", "--generate", "--generate=man", "--list", "-qV"] {
-            assert_eq!(request(&format!("-q --cfc 180 {flag} x")).as_deref(), Some(flag));
-        }
-        for text in ["-q --force", "-p.hV", "--cfc=-h", "-- --help", "help", ""] {
-            assert_eq!(request(text), None, "{text}");
         }
     }
 }

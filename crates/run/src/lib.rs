@@ -37,6 +37,7 @@ mod together {
     pub mod joint_run;
     pub mod summary;
 }
+mod words;
 
 use std::ffi::OsString;
 use std::path::Path;

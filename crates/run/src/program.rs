@@ -9,7 +9,7 @@ use std::{env, fs, process};
 
 use crumple_stage::{Refused, Usage, chain, program, refuse_unknown_variables, unknown_name, variable_of};
 
-use crate::command::{Words, request_for_information};
+use crate::words::{Words, request_for_information};
 
 // What a person names.
 

@@ -8,7 +8,7 @@ use anyhow::Context;
 use crumple_artifact::remove_in_order;
 use crumple_stage::{ExitStatus, Usage, by_way, chain, memory_limit_flag, say};
 
-use crate::command::{Options, Pipeline, Stage, Words, chain_of, dependents, stages_of};
+use crate::command::{Options, Pipeline, Stage, chain_of, dependents, stages_of};
 use crate::folder::content::{
     PipelineOfRun, folder_of_new_results, pipeline_before, refuse_files_of_others, refuse_links, state_of, sweep,
     written,
@@ -21,6 +21,7 @@ use crate::names::{PIPELINE_OF_A_RUN, place_of_record};
 use crate::program::{is_one_program, own_command, own_program};
 use crate::steps::{StageExit, arguments, contradicts, install_outputs, run_program, start};
 use crate::together::joint_run::{INTEGRATED, SOLVED};
+use crate::words::Words;
 
 /// Runs all stages. Exit code 4 of a stage (no acceptable result, diagnosis written) does not stop the run: the report
 /// shows the diagnosis, and the last stage decides. Any other failure does.

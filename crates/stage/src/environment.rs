@@ -56,8 +56,8 @@ pub fn variables() -> impl Iterator<Item = &'static str> {
     OF_STAGES.iter().map(String::as_str).chain(OTHERS)
 }
 
-/// Errors: the environment has a variable that nothing reads, and its name begins with `CRUMPLE_` or is two letters away
-/// from that of a stage: what it was to do would not be done.
+/// Errors: the environment has a variable that nothing reads, and its name begins with `CRUMPLE_` or is two letters
+/// away from that of a stage: what it was to do would not be done.
 pub fn refuse_unknown_variables() -> Result<(), Usage> {
     let mut names: Vec<String> = std::env::vars_os().filter_map(|(name, _)| name.into_string().ok()).collect();
     names.sort();

@@ -5,8 +5,8 @@ use crate::record::observation::ObservedWave;
 use crate::selection::compared::{ComparedCandidate, Inadequacy, SelectionRules, TestEvent};
 use crate::selection::evidence::{Evidence, SLOW_HZ};
 
-/// Share of a record's root mean square that no lumped model of a vehicle describes below 60 Hz, at least. With 1 and 4 %
-/// the pulses of docs/methods/prediction.md had the same errors.
+/// Share of a record's root mean square that no lumped model of a vehicle describes below 60 Hz, at least. With 1 and
+/// 4 % the pulses of docs/methods/prediction.md had the same errors.
 const DISCREPANCY: f64 = 0.02;
 
 /// What all candidates are compared with.

@@ -220,8 +220,8 @@ pub(crate) struct PeakByRecord {
 }
 
 impl PeakByRecord {
-    /// The peak of an impact in which the model has this one. One of a force larger than in the test is felt beyond it, where the end of the record says how far
-    /// the model is off, and an early or late wave of it does not.
+    /// The peak of an impact in which the model has this one. One of a force larger than in the test is felt beyond it,
+    /// where the end of the record says how far the model is off, and an early or late wave of it does not.
     fn of(self, model: f64) -> f64 {
         let grows = model * self.mass_ratio > self.model * (1.0 + GROWS);
         if grows { (self.end * model).max(self.made / self.mass_ratio) } else { self.made / self.model * model }

@@ -8,13 +8,14 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use crumple_stage::{ExitStatus, Usage, by_way, say};
 
-use crate::command::{OfAllStages, Pipeline, Words};
+use crate::command::{OfAllStages, Pipeline};
 use crate::folder::content::{PipelineOfRun, sweep};
 use crate::folder::lock::LockedFolder;
 use crate::names::{PIPELINE_OF_A_RUN, folder_of_record};
 use crate::program::{NamedPrograms, own_command};
 use crate::steps::{StageExit, run_program, start};
 use crate::together::summary::{HeldOutTest, folder_without, left_out_of, ratio_of, remove_of_others, write_summary};
+use crate::words::Words;
 
 /// Runs every record, fits one model to all of them, predicts every test from the others, and predicts with the model.
 ///

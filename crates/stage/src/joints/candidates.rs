@@ -1,13 +1,13 @@
 //! Rows of the joints of parameter-solve, simulate and predict: candidates, their curves, what they predict.
 
-use crumple_artifact::records::{CandidateV1, PredictionV1, RecommendationV1, SimulationV1, TestV1};
+use crumple_artifact::records::{CandidateV1, EventsV1, PredictionV1, RecommendationV1, SimulationV1, TestV1};
 use crumple_signal::About;
 
 use crate::joints::curves::value_at;
 use crate::joints::{BESIDE, Finding, Invariant, RunParts, is_outside, record, records};
 
 /// Rows of the stages.
-pub(crate) static ROWS: [Invariant; 7] = [
+pub(crate) static ROWS: [Invariant; 8] = [
     Invariant {
         code: "CR501",
         ends_the_run: false,
@@ -63,6 +63,18 @@ pub(crate) static ROWS: [Invariant; 7] = [
             "simulate and predict with candidates of 5-parameter-solve",
         ],
         find: of_nobody,
+    },
+    Invariant {
+        code: "CR603",
+        ends_the_run: true,
+        explanation: [
+            "A candidate is recommended that does not repeat its own test.",
+            "Its simulated dynamic crush is compared with that of /events, where the recommendation does not rate it; \
+             3.5 % is left, as for every candidate (docs/methods/prediction.md).",
+            "What it predicts of other speeds is wrong by at least as much.",
+            "recommend no candidate that misses its test, or write its parameters in SI units",
+        ],
+        find: recommended_misses_its_test,
     },
     Invariant {
         code: "CR701",
@@ -164,6 +176,31 @@ fn simulated_crush_differs(parts: &RunParts<'_>) -> Vec<Finding> {
         return vec![Finding { stage: "simulate", about: About::Model(id.to_owned()), values, text }];
     }
     Vec::new()
+}
+
+/// Share of the crush of the test that a recommended candidate may miss: that of the choice.
+const ADEQUATE: f64 = 0.035;
+
+fn recommended_misses_its_test(parts: &RunParts<'_>) -> Vec<Finding> {
+    let solved =
+        parts.of("parameter-solve").and_then(|artifact| record::<RecommendationV1>(artifact, "/recommendation"));
+    let Some(choice) = solved else { return Vec::new() };
+    let is_rated = |id: &str| choice.candidates.iter().any(|rated| rated.id == id);
+    let Some(id) = choice.recommended.as_deref().filter(|id| !is_rated(id)) else { return Vec::new() };
+    let simulated = parts.of("simulate").and_then(|artifact| record(artifact, &format!("/simulation/{id}")));
+    let crush = simulated.and_then(|simulation: SimulationV1| simulation.dynamic_crush_m);
+    let tested = parts.of("integrate").and_then(|artifact| record::<EventsV1>(artifact, "/events")?.dynamic_crush_m);
+    let Some((crush_m, tested_m)) = crush.zip(tested) else { return Vec::new() };
+    if (crush_m - tested_m).abs() <= ADEQUATE * tested_m.abs() {
+        return Vec::new();
+    }
+    let text = format!(
+        "{id} is recommended, and its crush at the speed of the test is {:.0} mm for {:.0} mm",
+        crush_m * 1e3,
+        tested_m * 1e3
+    );
+    let values = vec![("simulated_m", crush_m), ("tested_m", tested_m)];
+    vec![Finding { stage: "parameter-solve", about: About::Model(id.to_owned()), values, text }]
 }
 
 fn of_nobody(parts: &RunParts<'_>) -> Vec<Finding> {

@@ -101,9 +101,10 @@ pub(crate) fn delay_s(curve: &Sampled, late: &Sampled) -> Option<f64> {
     };
     let (a, b) = (sampled(curve)?, sampled(late)?);
     let lags = ((LONGEST_DELAY_S / step_s) as usize).min(a.len() / 4).max(1);
-    // At a positive lag the late curve is read so much later. Both ends are left out alike at every lag.
+    // At a positive lag the late curve is read so much later. Both ends are left out alike at every lag, with one step
+    // more for the parabola.
     let product = |lag: isize| -> f64 {
-        let middle = lags..a.len() - lags;
+        let middle = lags + 1..a.len() - lags - 1;
         middle.map(|k| a[k] * b[k.saturating_add_signed(lag)]).sum()
     };
     let lags = lags as isize;

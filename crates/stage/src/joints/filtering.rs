@@ -7,7 +7,7 @@ use crate::joints::curves::{Running, delay_s, end_of, times, value_at};
 use crate::joints::{Finding, Invariant, RunParts, pulse_of, record};
 
 /// Rows of the stage.
-pub(crate) static ROWS: [Invariant; 5] = [
+pub(crate) static ROWS: [Invariant; 6] = [
     Invariant {
         code: "CR201",
         ends_the_run: true,
@@ -67,6 +67,17 @@ pub(crate) static ROWS: [Invariant; 5] = [
             "pass the status of the channels on in the program of the stage filter",
         ],
         find: is_marked_as_failed,
+    },
+    Invariant {
+        code: "CR206",
+        ends_the_run: true,
+        explanation: [
+            "The filter changed the mass or the impact speed of the test.",
+            "Both are compared in the /test of 1-ingest and 2-filter.",
+            "Energy and stiffness go with them, and nobody stated the new one.",
+            "pass /test on unchanged; another mass or speed is given to crumple ingest: --mass, --impact-speed",
+        ],
+        find: changes_the_test,
     },
 ];
 
@@ -188,10 +199,28 @@ fn mean_and_deviation(samples: &[f64]) -> (f64, f64) {
     (mean, (variance / count).sqrt())
 }
 
+/// The test before and after the filter.
+fn tests(parts: &RunParts<'_>) -> Option<(TestV1, TestV1)> {
+    Some((record(parts.of("ingest")?, "/test")?, record(parts.of("filter")?, "/test")?))
+}
+
+fn changes_the_test(parts: &RunParts<'_>) -> Vec<Finding> {
+    let Some((before, after)) = tests(parts) else { return Vec::new() };
+    let numbers = [
+        ("mass", "kg", before.mass_kg.zip(after.mass_kg)),
+        ("impact speed", "m/s", before.impact_speed_m_per_s.zip(after.impact_speed_m_per_s)),
+    ];
+    let changed = numbers.into_iter().find_map(|(what, unit, pair)| {
+        let (before, after) = pair.filter(|(before, after)| (before - after).abs() > 1e-9 * before.abs())?;
+        Some((what, unit, before, after))
+    });
+    let Some((what, unit, before, after)) = changed else { return Vec::new() };
+    let text = format!("the {what} is {after:.2} {unit} after the filter, {before:.2} {unit} before");
+    finding(About::Record, vec![("after", after), ("before", before)], text)
+}
+
 fn is_marked_as_failed(parts: &RunParts<'_>) -> Vec<Finding> {
-    let tests = parts.of("ingest").zip(parts.of("filter"));
-    let tests = tests.and_then(|(a, b)| Some((record::<TestV1>(a, "/test")?, record::<TestV1>(b, "/test")?)));
-    let Some((before, after)) = tests else { return Vec::new() };
+    let Some((before, after)) = tests(parts) else { return Vec::new() };
     let failed = |test: &TestV1| test.channels.iter().filter(|channel| channel.status == "failed").count();
     let (failed_before, failed_after, all) = (failed(&before), failed(&after), after.channels.len());
     if failed_after < all || failed_before == before.channels.len() || all == 0 {

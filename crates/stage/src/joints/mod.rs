@@ -90,10 +90,12 @@ pub fn contradictions(artifacts: &[Artifact]) -> Vec<Contradiction> {
 
 /// Errors: the artifacts contradict each other, or themselves, in what nothing can be made from.
 pub(crate) fn refuse_contradictions(artifacts: &[Artifact]) -> Result<(), Refused> {
-    match contradictions(artifacts).into_iter().find(|found| found.ends_the_run) {
-        Some(found) => Err(found.refusal(artifacts)),
-        None => Ok(()),
-    }
+    let found = contradictions(artifacts);
+    let Some(first) = found.iter().find(|found| found.ends_the_run) else { return Ok(()) };
+    let others = found.iter().filter(|other| other.stage == first.stage && *other != first);
+    let others: String = others.map(|other| format!("; {} [{}]", other.text, other.code)).collect();
+    let text = format!("{}: {} [{}]{others}", first.file(artifacts), first.text, first.code);
+    Err(Refused::new(text).hint(first.remedy))
 }
 
 impl Contradiction {
@@ -126,11 +128,6 @@ impl Contradiction {
     fn file(&self, artifacts: &[Artifact]) -> String {
         let written = artifacts.iter().find(|artifact| stage_of(artifact) == Some(self.stage));
         written.map_or_else(|| self.stage.to_owned(), |artifact| artifact.path().display().to_string())
-    }
-
-    /// The error that names the file that says it.
-    fn refusal(&self, artifacts: &[Artifact]) -> Refused {
-        Refused::new(format!("{}: {} [{}]", self.file(artifacts), self.text, self.code)).hint(self.remedy)
     }
 }
 

@@ -128,8 +128,8 @@ mod tests {
     use super::*;
     use crumple_numerics::estimation::random::RandomNumbers;
 
-    /// `y = 1.5 y1 - 0.7 y2 + u1 + 0.5 u2`, a mode beside it of this strength, and noise of 5 %; and the fit of the truth
-    /// to it, percent.
+    /// `y = 1.5 y1 - 0.7 y2 + u1 + 0.5 u2`, a mode beside it of this strength, and noise of 5 %; and the fit of the
+    /// truth to it, percent.
     fn record(seed: u64, beside: f64) -> (IoData, f64) {
         let mut random = RandomNumbers::seeded(seed);
         let u: Vec<f64> = (0..800).map(|_| random.normal()).collect();

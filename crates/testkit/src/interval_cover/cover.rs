@@ -316,8 +316,8 @@ enum Choice {
     True,
     /// Another, whose criterion is not worse by more than [`TOLD_APART`].
     NotToldApart,
-    /// Another, where the record leaves numbers of the true model open: a rule passes such a model over for one that the
-    /// record's own force over crush makes.
+    /// Another, where the record leaves numbers of the true model open: a rule passes such a model over for one that
+    /// the record's own force over crush makes.
     OpenNumbers,
     /// Another.
     Other,

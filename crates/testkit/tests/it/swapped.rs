@@ -58,8 +58,8 @@ const FILTERS: [(&str, End); 35] = [
     ("absolute", Refused("CR204")),
     ("jerk", Refused("CR204")),
     ("failed", Warned("CR205")),
-    ("mass", Stopped("describe different tests: mass_kg")),
-    ("speed", Stopped("describe different tests: impact_speed_m_per_s")),
+    ("mass", Refused("CR206")),
+    ("speed", Refused("CR206")),
 ];
 
 const INTEGRATIONS: [(&str, End); 31] = [
@@ -84,7 +84,7 @@ const INTEGRATIONS: [(&str, End); 31] = [
     ("without speed", Refused("CR30")),
     ("sign", Refused("CR301")),
     ("sign of displacement", Refused("CR302")),
-    ("all signs", Refused("CR301")),
+    ("all signs", Stopped("expected at least 0")),
     ("displacement late", Refused("CR302")),
     ("all late", Refused("CR301")),
     ("force in kN", Refused("CR308")),
@@ -114,16 +114,16 @@ const SOLUTIONS: [(&str, End); 15] = [
     ("recommended", Right),
     ("interval", Right),
     ("double mass", Warned("CR501")),
-    ("recommended of double mass", Warned("CR501")),
-    ("recommended in N/mm", Without("crush")),
+    ("recommended of double mass", Refused("CR603")),
+    ("recommended in N/mm", Refused("CR603")),
     ("in N/mm", Without("crush")),
     ("three times as stiff", Without("crush")),
     ("outside", Refused("CR502")),
     ("nobody", Refused("CR503")),
-    ("other names", Stopped("stiffness_n_per_m")),
+    ("other names", Without("no parameter \"c\"")),
     ("of tomorrow", Without("of-tomorrow")),
-    ("no mass", Stopped("mass_kg")),
-    ("no damping", Stopped("damping_n_s_per_m")),
+    ("no mass", Without("needs the parameter mass_kg")),
+    ("no damping", Without("needs the parameter damping_n_s_per_m")),
     ("negative", Without("crush")),
 ];
 
@@ -159,7 +159,8 @@ fn difference(stage: &str, mode: &str, end: End) -> Option<String> {
     let summary: Value = serde_json::from_str(&text).unwrap_or_default();
     let remarks = summary["remarks"].as_array().cloned().unwrap_or_default();
     let is_first = |code: &str| remarks.first().is_some_and(|remark| remark["code"] == code);
-    let first_concern = summary["concerns"][0]["text"].as_str().unwrap_or_default().to_owned();
+    // The console cuts a line.
+    let is_said_first = |text: &str| said.contains(&format!("1. {}", text.chars().take(40).collect::<String>()));
     let is_as_asked = match end {
         Right => {
             let golden = workspace().join("fixtures/elastoplastic/golden/summary.json");
@@ -170,7 +171,7 @@ fn difference(stage: &str, mode: &str, end: End) -> Option<String> {
                 && (number(&summary, &["events", "dynamic_crush_m"]) / crush - 1.0).abs() < 0.02
         }
         Refused(row) => code == 3 && said.contains(&format!("[{row}")) && text.is_empty(),
-        Warned(row) => [0, 4].contains(&code) && is_first(row) && remarks[0]["text"] == first_concern.as_str(),
+        Warned(row) => [0, 4].contains(&code) && is_first(row) && is_said_first(remarks[0]["text"].as_str().unwrap()),
         Without(word) => [0, 4].contains(&code) && summary["recommended"].is_null() && said.contains(word),
         Stopped(word) => ![0, 4].contains(&code) && said.contains(word),
     };

@@ -235,9 +235,9 @@ def changed():
         data = line["data"]
         if line["topic"].startswith("/simulation/") and what == "crush":
             data["dynamic_crush_m"] *= 1.2
-        if line["topic"].startswith("/simulation/") and what == "nobody":
+        if stage == "simulate" and what == "nobody" and line["topic"].startswith("/simulation/"):
             line["topic"] = "/simulation/of/nobody/1"
-            lines = [other for other in lines if other is line or not other["topic"].startswith("/simulation/")]
+            break
         if line["topic"].startswith("/prediction/"):
             if what == "value":
                 data["dynamic_crush_m"] *= 3
