@@ -50,8 +50,9 @@ pub(crate) static ROWS: [Invariant; 6] = [
         explanation: [
             "The filtered pulse changes the velocity by another amount than the record.",
             "Both are integrated over the record. A low-pass filter keeps the area; what a zero level between none and \
-             that of the samples before contact changes, with three deviations of it, is left, and 3 % of the change: \
-             the ends of a filter, as ten filters of other kinds were measured.",
+             that of the samples before contact changes, with three deviations of it, is left, and 4 % of the change: \
+             Butterworth filters of 60 to 300 Hz, run both ways from rest, change it by 0.6 to 2.9 % on the fixtures, \
+             moving averages by 0.02 %.",
             "A gain, a sign, a unit, an offset or cut samples: every number that is integrated is wrong by it.",
             "write m/s^2 with the sign of the record, all samples, and no gain in the program of the stage filter",
         ],
@@ -158,7 +159,7 @@ fn is_late(parts: &RunParts<'_>) -> Vec<Finding> {
 }
 
 /// Share of a change of velocity that the ends of a filter may alter.
-const AREA: f64 = 0.03;
+const AREA: f64 = 0.04;
 
 fn changes_the_velocity(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some(pulse) = Pulse::of(parts) else { return Vec::new() };
