@@ -422,7 +422,8 @@ fn check_finds_what_the_container_cannot() {
     error: x.mcap: topic /events holds crumple.Notes.v1, crumple.Events.v1 is stated for it
     error: x.mcap: topic /test: the pulse is channel "94", which is not listed
     error: x.mcap: topic /test: channel "93" is listed as acceleration, its waveform says velocity
-    error: x.mcap: topic /model/era-2/discrete: c has rows of [1] numbers, expected 1 of 2
+    error: x.mcap: topic /model/era-2/discrete: c has rows of [1] numbers, expected 1 of 2 [CR401]
+      hint: write matrices of one order in the program of the stage identify
     "#);
 }
 

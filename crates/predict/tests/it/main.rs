@@ -130,7 +130,19 @@ fn predictions(folder: &Path) -> Vec<PredictionV1> {
 /// A run folder of the same models with other masses, for a partner.
 fn run_folder(folder: &Path, candidates: &[(&str, CandidateV1)]) {
     std::fs::create_dir_all(folder).unwrap();
-    write(folder, candidates, Some(&choice()));
+    // Of those that are there.
+    let there = |id: Option<String>| {
+        let is_there = |id: &String| candidates.iter().any(|(own, _)| own == id);
+        id.filter(is_there).or_else(|| candidates.first().map(|(own, _)| (*own).to_owned()))
+    };
+    let RecommendationV1 { recommended, simplest, closest, .. } = choice();
+    let choice = RecommendationV1 {
+        recommended: there(recommended),
+        simplest: there(simplest),
+        closest: there(closest),
+        ..choice()
+    };
+    write(folder, candidates, Some(&choice));
     std::fs::rename(folder.join("5.mcap"), folder.join("5-parameter-solve.mcap")).unwrap();
     let events = KELVIN.events(IMPACT_SPEED_M_PER_S);
     let builder = integrated(&Model::Kelvin(KELVIN), Some(873.0), &events, None).unwrap();

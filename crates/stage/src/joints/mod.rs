@@ -105,13 +105,13 @@ impl Contradiction {
         format!("{how}: {}: {} [{}]\n  hint: {}", self.file(artifacts), self.text, self.code, self.remedy)
     }
 
-    /// As a warning of a run: the result may be another thing than it is taken for.
+    /// As a warning of a run: numbers may be off by more than their intervals say.
     pub fn concern(&self) -> ConcernV1 {
         ConcernV1 {
             stage: self.stage.to_owned(),
             severity: SeverityV1::Warning,
             about: self.about.to_string(),
-            weight: Weight::Decisive.number(),
+            weight: Weight::Marked.number(),
             text: self.text.clone(),
             remedy: Some(self.remedy.to_owned()),
         }

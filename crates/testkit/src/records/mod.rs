@@ -52,7 +52,7 @@ pub fn write_filtered(
 pub const IMPACT_SPEED_M_PER_S: f64 = 9.7;
 
 /// Test of a car of this mass, these events, where it does not stop the end of the event, and the displacement of
-/// channel `a` over 100 ms at 10 kHz from contact on.
+/// channel `a` over 150 ms at 10 kHz from contact on.
 ///
 /// # Errors
 /// A model without a motion.
@@ -82,7 +82,7 @@ pub fn integrated(
         ..EventsV1::default()
     };
     builder.put("/events", &crash)?;
-    let motion = model.respond(IMPACT_SPEED_M_PER_S, 1e-4, 1001)?;
+    let motion = model.respond(IMPACT_SPEED_M_PER_S, 1e-4, 1501)?;
     let displacement = Sampled::new(0.0, 1e-4, motion.compartment().displacement_m.clone())?;
     builder.wave("a/displacement", QuantityKind::Displacement, displacement)?;
     Ok(builder)

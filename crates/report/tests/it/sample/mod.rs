@@ -60,7 +60,9 @@ pub fn write_artifacts(folder: &Path, simulated: bool) -> Vec<PathBuf> {
 /// The same with events that state a crush longer by `more_m`.
 pub fn write_with_longer_crush(folder: &Path, simulated: bool, more_m: f64) -> Vec<PathBuf> {
     let mut paths = Vec::new();
-    let ripple = |t: f64| if t < 0.0 { 0.0 } else { 22.0 * (1_900.0 * t).sin() * (-9.0 * t).exp() };
+    // Swells and fades away, so that it moves the pulse neither way: a filter without phase takes all of it out.
+    let swell = |t: f64| if (0.0..0.1).contains(&t) { (10.0 * std::f64::consts::PI * t).sin().powi(2) } else { 0.0 };
+    let ripple = |t: f64| 22.0 * (1_900.0 * t).sin() * swell(t);
 
     let mut ingest = Stage::new(
         "ingest",
