@@ -159,33 +159,25 @@ impl Program {
 /// is told by the name it is called by, `crumple-filter`, or by the word behind it, `crumple filter`.
 fn named(stage: &str, first: &str, flags: &[String]) -> Named {
     let name = Path::new(first).file_stem().unwrap_or_default().to_string_lossy();
-    let is_of_the_project = match first.contains(is_separator) {
-        false => true,
-        true => find(first).is_some_and(|file| is_beside_this(&file)),
+    let (own, word, flags) = match (name.strip_prefix("crumple-"), flags.split_first()) {
+        (Some(word), _) => (own_program(word), Some(word), flags),
+        (None, words) if name == "crumple" => {
+            let whole = env::current_exe().unwrap_or_default().with_file_name(format!("crumple{EXE_SUFFIX}"));
+            let own = if is_one_program() { own_program(stage) } else { whole };
+            (own, words.map(|(word, _)| word.as_str()), words.map_or(flags, |(_, flags)| flags))
+        }
+        _ => return Named::Foreign,
     };
-    let stage_of = |word: &str| chain().find(|known| known.name == word).map(|known| known.name);
-    let (word, flags) = match name.strip_prefix("crumple-") {
-        Some(word) => (Some(word), flags),
-        None if name == "crumple" => match flags.split_first() {
-            Some((word, flags)) => (Some(word.as_str()), flags),
-            None => (None, flags),
-        },
-        None => return Named::Foreign,
-    };
-    match word.map(|word| (stage_of(word), word)) {
-        _ if !is_of_the_project => Named::Foreign,
-        None => Named::NoStage,
-        Some((Some(other), _)) if other != stage => Named::Other(other),
-        Some((Some(_), _)) => Named::Own(flags.to_vec()),
-        Some((None, _)) => Named::Foreign,
+    let is_this = || matches!((Path::new(first).canonicalize(), own.canonicalize()), (Ok(a), Ok(b)) if a == b);
+    if first.contains(is_separator) && !is_this() {
+        return Named::Foreign;
     }
-}
-
-/// Whether a file is this program, or one beside it.
-fn is_beside_this(file: &Path) -> bool {
-    let folder_of = |path: PathBuf| path.canonicalize().ok()?.parent().map(Path::to_owned);
-    let own = folder_of(env::current_exe().unwrap_or_default());
-    own.is_some() && own == folder_of(file.to_owned())
+    let Some(word) = word else { return Named::NoStage };
+    match chain().find(|known| known.name == word).map(|known| known.name) {
+        Some(other) if other != stage => Named::Other(other),
+        Some(_) => Named::Own(flags.to_vec()),
+        None => Named::Foreign,
+    }
 }
 
 /// The stages that this process holds itself.
