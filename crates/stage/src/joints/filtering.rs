@@ -212,9 +212,8 @@ impl Changes {
 
     fn finding(&self) -> Vec<Finding> {
         let (filtered, recorded) = (self.filtered, self.recorded);
-        let text = format!(
-            "the filtered pulse changes the velocity by {filtered:.2} m/s, the record by {recorded:.2} m/s"
-        );
+        let text =
+            format!("the filtered pulse changes the velocity by {filtered:.2} m/s, the record by {recorded:.2} m/s");
         finding(About::Pulse, vec![("filtered_m_per_s", filtered), ("recorded_m_per_s", recorded)], text)
     }
 }
