@@ -101,13 +101,16 @@ pub(crate) struct Program {
     pub(crate) stage: &'static str,
 }
 
+/// Programs of the project that are no stages.
+const NO_STAGES: [&str; 7] = ["run", "together", "fleet", "study", "export", "view", "artifact"];
+
 /// Whose program of the project a command names.
 enum Named {
     /// The stage's own, with its flags.
     Own(Vec<String>),
     /// That of another stage.
     Other(&'static str),
-    /// The whole project, and no stage behind it.
+    /// The whole project without a stage behind it, or what is no stage.
     NoStage,
     /// None of the project.
     Foreign,
@@ -139,8 +142,8 @@ impl Program {
                     .into());
             }
             Named::NoStage => {
-                return Err(refused(format!("the command of the stage {stage} is {typed}, which is all stages"))
-                    .hint(format!("{typed} {stage}"))
+                return Err(refused(format!("the command of the stage {stage} is {typed}, which is no stage"))
+                    .hint(format!("crumple {stage}, or leave it out for the program of the project"))
                     .into());
             }
             Named::Foreign => {}
@@ -176,6 +179,7 @@ fn named(stage: &str, first: &str, flags: &[String]) -> Named {
     match chain().find(|known| known.name == word).map(|known| known.name) {
         Some(other) if other != stage => Named::Other(other),
         Some(_) => Named::Own(flags.to_vec()),
+        None if NO_STAGES.contains(&word) => Named::NoStage,
         None => Named::Foreign,
     }
 }

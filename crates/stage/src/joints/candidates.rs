@@ -187,10 +187,18 @@ fn recommended_misses_its_test(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some(choice) = solved else { return Vec::new() };
     let is_rated = |id: &str| choice.candidates.iter().any(|rated| rated.id == id);
     let Some(id) = choice.recommended.as_deref().filter(|id| !is_rated(id)) else { return Vec::new() };
-    let simulated = parts.of("simulate").and_then(|artifact| record(artifact, &format!("/simulation/{id}")));
-    let crush = simulated.and_then(|simulation: SimulationV1| simulation.dynamic_crush_m);
+    let Some(simulated) = parts.of("simulate") else { return Vec::new() };
+    let crush = record(simulated, &format!("/simulation/{id}")).and_then(|s: SimulationV1| s.dynamic_crush_m);
     let tested = parts.of("integrate").and_then(|artifact| record::<EventsV1>(artifact, "/events")?.dynamic_crush_m);
-    let Some((crush_m, tested_m)) = crush.zip(tested) else { return Vec::new() };
+    let Some(tested_m) = tested else { return Vec::new() };
+    let Some(crush_m) = crush else {
+        let text = format!(
+            "{id} is recommended, and it does not stop at the speed of the test, where the vehicle stopped at {:.0} mm",
+            tested_m * 1e3
+        );
+        let values = vec![("tested_m", tested_m)];
+        return vec![Finding { stage: "parameter-solve", about: About::Model(id.to_owned()), values, text }];
+    };
     if (crush_m - tested_m).abs() <= ADEQUATE * tested_m.abs() {
         return Vec::new();
     }

@@ -78,39 +78,60 @@ pub(crate) fn farthest(
     pairs.max_by(|a, b| (a.1 - a.2).abs().total_cmp(&(b.1 - b.2).abs()))
 }
 
-/// Longest delay that is looked for, s: later than this a pulse has another start, which is a row of its own.
-const LONGEST_DELAY_S: f64 = 0.02;
+/// Time from contact up to which a pulse is compared for its delay, s: that of most frontal pulses.
+const PULSE_S: f64 = 0.15;
 
-/// Times of a pulse that are compared for its delay, s from contact.
-const PULSE_S: (f64, f64) = (-0.05, 0.25);
+/// Before this time, s, a filter has not spread the contact: the samples show the zero level.
+const QUIET_S: f64 = -0.01;
 
-/// By how much `late` lies behind `curve`, s: the place of the largest cross-correlation, between steps by a parabola.
+/// Share of its largest change of velocity that a pulse must have kept at the end for its moment to tell a delay.
+const KEPT: f64 = 0.2;
+
+/// Integral of `(to_s - t)` times a curve less its level, by the trapezoidal rule: the way that it adds until `to_s`.
+fn moment(curve: &Sampled, from_s: f64, to_s: f64, level: f64) -> f64 {
+    let dt_s = curve.dt_s();
+    let value = |(index, x): (usize, &f64)| (to_s - curve.time_s(index)) * (x - level);
+    let inside = |(index, _): &(usize, &f64)| (from_s..=to_s).contains(&curve.time_s(*index));
+    curve.samples().iter().enumerate().filter(inside).map(value).sum::<f64>() * dt_s
+}
+
+/// Mean of a curve before the contact is spread, and the deviation of that mean; zeros where few samples show it.
+fn level_of(curve: &Sampled) -> (f64, f64) {
+    let quiet: Vec<f64> = times(curve, curve.t0_s(), QUIET_S).filter_map(|t| value_at(curve, t)).collect();
+    mean_and_deviation(&quiet)
+}
+
+/// Fewest samples that show a zero level.
+const OF_A_LEVEL: usize = 8;
+
+/// Mean of samples and the deviation of it, none of few.
+pub(crate) fn mean_and_deviation(samples: &[f64]) -> (f64, f64) {
+    if samples.len() < OF_A_LEVEL {
+        return (0.0, 0.0);
+    }
+    let count = samples.len() as f64;
+    let mean = samples.iter().sum::<f64>() / count;
+    let variance = samples.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    (mean, (variance / count).sqrt())
+}
+
+/// By how much `late` lies behind `curve`, s: the difference of the ways that both add, over the change of velocity.
 ///
-/// A filter without phase has a symmetric response, so that the correlation of its output with its input is symmetric
-/// about zero and largest there; a causal one moves it by its group delay. `None` where one of both is empty there.
+/// A delay of `τ` takes `τ Δv` off the way. A filter without phase keeps the moment of a pulse, whatever its width, and
+/// what the end of a record cuts off has added no way yet. `None` where the change of velocity is small.
 pub(crate) fn delay_s(curve: &Sampled, late: &Sampled) -> Option<f64> {
-    let from_s = PULSE_S.0.max(curve.t0_s()).max(late.t0_s());
-    let to_s = PULSE_S.1.min(end_of(curve)).min(end_of(late));
-    let step_s = (curve.dt_s().max(late.dt_s()) / 2.0).max((to_s - from_s) / 2048.0);
-    let count = ((to_s - from_s) / step_s).floor();
-    if !(count >= 16.0) {
+    let from_s = curve.t0_s().min(late.t0_s());
+    let to_s = PULSE_S.min(end_of(curve)).min(end_of(late));
+    let running = Running::of(curve);
+    let change = running.over(curve.t0_s(), to_s)?;
+    let largest = times(curve, curve.t0_s(), to_s).filter_map(|t| running.over(curve.t0_s(), t));
+    let largest = largest.fold(0.0_f64, |largest, change| largest.max(change.abs()));
+    if !(to_s > 0.0 && change.abs() > KEPT * largest) {
         return None;
     }
-    let sampled = |of: &Sampled| -> Option<Vec<f64>> {
-        (0..count as usize).map(|k| value_at(of, from_s + k as f64 * step_s)).collect()
-    };
-    let (a, b) = (sampled(curve)?, sampled(late)?);
-    let lags = ((LONGEST_DELAY_S / step_s) as usize).min(a.len() / 4).max(1);
-    // At a positive lag the late curve is read so much later. Both ends are left out alike at every lag, with one step
-    // more for the parabola.
-    let product = |lag: isize| -> f64 {
-        let middle = lags + 1..a.len() - lags - 1;
-        middle.map(|k| a[k] * b[k.saturating_add_signed(lag)]).sum()
-    };
-    let lags = lags as isize;
-    let best = (-lags..=lags).max_by(|x, y| product(*x).total_cmp(&product(*y)))?;
-    let (before, at, after) = (product(best - 1), product(best), product(best + 1));
-    let curvature = before - 2.0 * at + after;
-    let beside = if best.abs() < lags && curvature < 0.0 { (before - after) / (2.0 * curvature) } else { 0.0 };
-    Some((best as f64 + beside) * step_s)
+    // A zero level that was taken out is no delay.
+    let ((own, deviation), (of_late, _)) = (level_of(curve), level_of(late));
+    let is_removed = own.abs() > 3.0 * deviation && of_late.abs() < 0.5 * own.abs();
+    let level = if is_removed { own } else { 0.0 };
+    Some((moment(curve, from_s, to_s, level) - moment(late, from_s, to_s, 0.0)) / (change - level * (to_s - from_s)))
 }

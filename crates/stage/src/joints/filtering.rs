@@ -3,7 +3,7 @@
 use crumple_artifact::records::{ChannelFilterV1, TestV1};
 use crumple_signal::{About, Sampled};
 
-use crate::joints::curves::{Running, delay_s, end_of, times, value_at};
+use crate::joints::curves::{Running, delay_s, end_of, mean_and_deviation, times, value_at};
 use crate::joints::{Finding, Invariant, RunParts, pulse_of, record};
 
 /// Rows of the stage.
@@ -12,9 +12,11 @@ pub(crate) static ROWS: [Invariant; 7] = [
         code: "CR201",
         ends_the_run: true,
         explanation: [
-            "The filtered pulse begins before the record does, or after contact where the record begins before it.",
+            "The filtered pulse begins before the record does and is early, or begins after contact where the record \
+             begins before it.",
             "The first sample of /wave/PULSE is compared with that of 1-ingest, less the shift that /filter/PULSE \
-             states; one sampling interval is left.",
+             states; one sampling interval is left. Samples before the record of a pulse that is not early, as a filter \
+             leaves whose delay was taken off, are no fault (CR203 says how that is decided).",
             "Every time of the run is late or early by as much, and the crush with it: 20 ms at 15 m/s are 0.3 m.",
             "keep t0_ns and dt_s of the wave in the program of the stage filter",
         ],
@@ -36,9 +38,9 @@ pub(crate) static ROWS: [Invariant; 7] = [
         ends_the_run: false,
         explanation: [
             "The filtered pulse is late: its filter has a delay.",
-            "The cross-correlation of the pulse with the record is largest at the delay. A filter run forward and \
-             backward has none (ISO 6487 and SAE J211 ask for that); more than one sampling interval and 0.2 ms are \
-             named, since 0.2 ms at 15 m/s are 3 mm of crush.",
+            "The ways that both add up to 150 ms are compared: a delay takes the change of velocity times itself off. A \
+             filter run forward and backward has none (ISO 6487 and SAE J211 ask for that); more than one sampling \
+             interval and 0.2 ms are named, since 0.2 ms at 15 m/s are 3 mm of crush. Not asked where CR204 or CR207 is.",
             "Contact seems later than it was: the crush is too large by the impact speed times the delay.",
             "run the filter forward and backward (filtfilt for lfilter), or take its delay off t0_ns",
         ],
@@ -123,8 +125,13 @@ impl<'a> Pulse<'a> {
         moved.unwrap_or_else(|_| self.recorded.clone())
     }
 
+    /// The coarser sampling interval, with what times are rounded by.
     fn coarser_s(&self) -> f64 {
-        self.recorded.dt_s().max(self.filtered.dt_s())
+        1.001 * self.recorded.dt_s().max(self.filtered.dt_s())
+    }
+
+    fn delay_s(&self) -> Option<f64> {
+        delay_s(&self.recorded_in_place(), self.filtered)
     }
 }
 
@@ -135,7 +142,8 @@ fn finding(about: About, values: Vec<(&'static str, f64)>, text: String) -> Vec<
 fn begins_elsewhere(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some(pulse) = Pulse::of(parts) else { return Vec::new() };
     let (recorded_s, filtered_s) = (pulse.recorded.t0_s() + pulse.shift_s, pulse.filtered.t0_s());
-    let is_early = filtered_s < recorded_s - pulse.coarser_s();
+    let is_moved = || pulse.delay_s().is_none_or(|delay_s| delay_s < -pulse.coarser_s().max(DELAY_S));
+    let is_early = filtered_s < recorded_s - pulse.coarser_s() && is_moved();
     let misses_contact = filtered_s > recorded_s.max(0.0) + pulse.coarser_s();
     if !is_early && !misses_contact {
         return Vec::new();
@@ -161,7 +169,10 @@ const DELAY_S: f64 = 2e-4;
 
 fn is_late(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some(pulse) = Pulse::of(parts) else { return Vec::new() };
-    let Some(delay_s) = delay_s(&pulse.recorded_in_place(), pulse.filtered) else { return Vec::new() };
+    if Changes::of(parts).is_none_or(|changes| changes.differ()) {
+        return Vec::new();
+    }
+    let Some(delay_s) = pulse.delay_s() else { return Vec::new() };
     if delay_s.abs() <= pulse.coarser_s().max(DELAY_S) {
         return Vec::new();
     }
@@ -224,20 +235,6 @@ fn changes_sign_or_unit(parts: &RunParts<'_>) -> Vec<Finding> {
 
 fn changes_the_velocity(parts: &RunParts<'_>) -> Vec<Finding> {
     Changes::of(parts).filter(|c| c.differ() && !c.are_others()).map_or_else(Vec::new, |c| c.finding())
-}
-
-/// Fewest samples before contact that show a zero level.
-const OF_A_LEVEL: usize = 8;
-
-/// Mean of samples and the deviation of it, none of few.
-fn mean_and_deviation(samples: &[f64]) -> (f64, f64) {
-    if samples.len() < OF_A_LEVEL {
-        return (0.0, 0.0);
-    }
-    let count = samples.len() as f64;
-    let mean = samples.iter().sum::<f64>() / count;
-    let variance = samples.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (count - 1.0);
-    (mean, (variance / count).sqrt())
 }
 
 /// The test before and after the filter.

@@ -55,7 +55,8 @@ pub(crate) static ROWS: [Invariant; 8] = [
         code: "CR304",
         ends_the_run: true,
         explanation: [
-            "The dynamic crush is not the displacement at its time, or the velocity there is not zero.",
+            "The dynamic crush is not the displacement at its time, the velocity there is not zero, or the displacement \
+             at contact is not.",
             "The curves are read at the stated time; 1 % and 1 mm of the crush, 5 % of the impact speed are left, \
              which is 1 % of the crush on a pulse of usual length.",
             "Crush is what models are fitted to and compared with.",
@@ -132,6 +133,14 @@ impl<'a> Motion<'a> {
         Some(Self { artifact, events, velocity, displacement })
     }
 
+    /// The velocity that an acceleration gives, m/s, from the impact speed at contact on.
+    fn velocity_of_pulse(&self, pulse: &Sampled) -> Option<Sampled> {
+        let (speed, running) = (self.events.impact_speed_m_per_s?, Running::of(pulse));
+        let contact_s = pulse.t0_s().max(0.0);
+        let samples = (0..pulse.len()).map(|index| Some(speed + running.over(contact_s, pulse.time_s(index))?));
+        Sampled::new(pulse.t0_s(), pulse.dt_s(), samples.collect::<Option<Vec<f64>>>()?).ok()
+    }
+
     /// The part in which it is a motion: from contact to the end of a curve.
     fn part(curve: &Sampled) -> (f64, f64) {
         (curve.t0_s().max(0.0), end_of(curve))
@@ -182,7 +191,12 @@ fn change_of(running: &Running, from_s: f64, to_s: f64) -> f64 {
 
 fn displacement_is_no_integral(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some(motion) = Motion::of(parts) else { return Vec::new() };
-    let Some((displacement, velocity)) = motion.displacement.zip(motion.velocity) else { return Vec::new() };
+    // Without a velocity that of the acceleration stands for it.
+    let of_pulse = || motion.velocity_of_pulse(parts.wave(&motion.events.channel, "filter")?);
+    let made = if motion.velocity.is_none() { of_pulse() } else { None };
+    let Some((displacement, velocity)) = motion.displacement.zip(motion.velocity.or(made.as_ref())) else {
+        return Vec::new();
+    };
     let (from_s, to_s) = Motion::part(displacement);
     let (from_s, to_s) = (from_s.max(velocity.t0_s()), to_s.min(end_of(velocity)));
     let running = Running::of(velocity);
@@ -226,6 +240,11 @@ fn crush_is_not_of_the_curve(parts: &RunParts<'_>) -> Vec<Finding> {
         return Vec::new();
     };
     if let Some(curve) = motion.displacement {
+        let at_contact = value_at(curve, 0.0).filter(|at_m| at_m.abs() > 0.01 * crush_m.abs() + 1e-3);
+        if let Some(at_m) = at_contact {
+            let text = format!("the displacement at contact is {:.0} mm, it was to be zero", at_m * 1e3);
+            return finding(About::Motion, vec![("contact_m", at_m)], text);
+        }
         let Some(at_m) = value_at(curve, time_s) else {
             let text = format!(
                 "the time of dynamic crush is {:.1} ms, the displacement ends at {:.1} ms",

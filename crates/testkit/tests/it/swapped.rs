@@ -36,7 +36,7 @@ const FILTERS: [(&str, End); 35] = [
     ("lag", Warned("CR203")),
     ("late 3", Warned("CR203")),
     ("early 3", Refused("CR201")),
-    ("late 20", Refused("CR201")),
+    ("late 20", Warned("CR203")),
     ("early 20", Refused("CR201")),
     ("begins late", Refused("CR201")),
     ("begins at 10 ms", Refused("CR201")),
@@ -203,6 +203,36 @@ fn identifications() {
 #[test]
 fn solutions_and_answers() {
     check(SOLUTIONS.map(|(mode, end)| ("parameter-solve", mode, end)).into_iter().chain(ANSWERS));
+}
+
+/// Records that end in the pulse, in the rebound and at rest, with ringing and without: nothing is said of the filter.
+#[test]
+fn the_stages_of_the_project_contradict_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let crumple = binary("crumple");
+    let fixture = |name: &str| workspace().join("fixtures").join(name).join("crash.csv");
+    let mut records: Vec<_> = ["kelvin", "double", "noisy", "elastoplastic"].map(fixture).to_vec();
+    let text = std::fs::read_to_string(fixture("elastoplastic")).unwrap();
+    for end_s in [0.065, 0.075, 0.080] {
+        let is_inside =
+            |line: &&str| line.split(',').next().and_then(|t| t.parse::<f64>().ok()).is_none_or(|t| t < end_s);
+        let cut: Vec<&str> = text.lines().filter(is_inside).collect();
+        let path = folder.path().join(format!("cut{:.0}.csv", 1e3 * end_s));
+        std::fs::write(&path, cut.join("\n") + "\n").unwrap();
+        records.push(path);
+    }
+    for (number, record) in records.iter().enumerate() {
+        for cfc in ["60", "600"] {
+            let out = folder.path().join(format!("{number}-{cfc}"));
+            let mut run = Command::new(&crumple);
+            run.arg("run").arg(record).arg("-q").args(["--set", &format!("filter.cfc={cfc}"), "--out"]).arg(&out);
+            let ended = run.arg("--project").arg(workspace()).output().unwrap();
+            let text = std::fs::read_to_string(out.join("summary.json"));
+            let text = text.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&ended.stderr)));
+            let summary: Value = serde_json::from_str(&text).unwrap();
+            assert_eq!(summary["remarks"], serde_json::json!([]), "{} at CFC {cfc}", record.display());
+        }
+    }
 }
 
 /// Marks around the codes of docs/remarks.md.
