@@ -62,8 +62,8 @@ pub struct CandidateSelection {
 /// those that miss only time, restitution or a sensor take part too. *For prediction*: of these each but one whose
 /// energy does not go into plastic deformation and that has numbers which nothing determines and other speeds feel, as
 /// long as the record's own force over crush answers, in a plastic candidate. *Recommended*: the one of largest weight.
-/// *Simplest*: of the adequate with all numbers determined the fewest, then the lowest sum. *Closest*: of the physical the best
-/// displacement fit.
+/// *Simplest*: of the adequate with all numbers determined the fewest, then the lowest sum. *Closest*: of the physical
+/// the best displacement fit.
 pub fn choose(candidates: &[ComparedCandidate], record: &ComparedRecord, rules: &SelectionRules) -> CandidateSelection {
     let adequate = selection(candidates, record, rules, <[Inadequacy]>::is_empty);
     if adequate.recommended.candidate.is_some() {

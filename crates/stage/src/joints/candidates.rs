@@ -58,7 +58,7 @@ pub(crate) static ROWS: [Invariant; 8] = [
         ends_the_run: true,
         explanation: [
             "A simulation or a prediction is of a candidate that is not there.",
-            "Its id is looked for below /parameters/ of 5-parameter-solve; a chain that the pipeline states needs none.",
+            "Its id is looked for below /parameters/ of 5-parameter-solve; a chain of the pipeline needs none.",
             "What it was made with cannot be told.",
             "simulate and predict with candidates of 5-parameter-solve",
         ],
@@ -114,17 +114,18 @@ fn total_mass(candidate: &CandidateV1) -> Option<f64> {
 fn masses_of_another_vehicle(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some(artifact) = parts.of("parameter-solve") else { return Vec::new() };
     let Some(mass_kg) = record::<TestV1>(artifact, "/test").and_then(|test| test.mass_kg) else { return Vec::new() };
-    let of_candidates = records::<CandidateV1>(artifact, "/parameters/").filter_map(|(id, candidate)| {
+    let mut of_candidates = records::<CandidateV1>(artifact, "/parameters/").filter_map(|(id, candidate)| {
         let total = total_mass(&candidate)?;
         ((total - mass_kg).abs() > 5e-3 * mass_kg).then(|| (id.to_owned(), total))
     });
-    let said = |(id, total): (String, f64)| Finding {
-        stage: "parameter-solve",
-        text: format!("the masses of {id} add up to {total:.1} kg, the test has {mass_kg:.1} kg"),
-        about: About::Model(id),
-        values: vec![("candidate_kg", total), ("test_kg", mass_kg)],
+    let Some((id, total)) = of_candidates.next() else { return Vec::new() };
+    let others = match of_candidates.count() {
+        0 => String::new(),
+        more => format!("; so do those of {more} more"),
     };
-    of_candidates.map(said).collect()
+    let text = format!("the masses of {id} add up to {total:.1} kg, the test has {mass_kg:.1} kg{others}");
+    let values = vec![("candidate_kg", total), ("test_kg", mass_kg)];
+    vec![Finding { stage: "parameter-solve", about: About::Mass, values, text }]
 }
 
 fn parameter_outside(parts: &RunParts<'_>) -> Vec<Finding> {

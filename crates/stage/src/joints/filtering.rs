@@ -15,8 +15,8 @@ pub(crate) static ROWS: [Invariant; 7] = [
             "The filtered pulse begins before the record does and is early, or begins after contact where the record \
              begins before it.",
             "The first sample of /wave/PULSE is compared with that of 1-ingest, less the shift that /filter/PULSE \
-             states; one sampling interval is left. Samples before the record of a pulse that is not early, as a filter \
-             leaves whose delay was taken off, are no fault (CR203 says how that is decided).",
+             states; one sampling interval is left. Samples before the record of a pulse that is not early, as a \
+             filter leaves whose delay was taken off, are no fault (CR203 says how that is decided).",
             "Every time of the run is late or early by as much, and the crush with it: 20 ms at 15 m/s are 0.3 m.",
             "keep t0_ns and dt_s of the wave in the program of the stage filter",
         ],
@@ -38,9 +38,10 @@ pub(crate) static ROWS: [Invariant; 7] = [
         ends_the_run: false,
         explanation: [
             "The filtered pulse is late: its filter has a delay.",
-            "The ways that both add up to 150 ms are compared: a delay takes the change of velocity times itself off. A \
-             filter run forward and backward has none (ISO 6487 and SAE J211 ask for that); more than one sampling \
-             interval and 0.2 ms are named, since 0.2 ms at 15 m/s are 3 mm of crush. Not asked where CR204 or CR207 is.",
+            "The ways that both add up to 150 ms are compared: a delay takes the change of velocity times itself off. \
+             A filter run forward and backward has none (ISO 6487 and SAE J211 ask for that); more than one sampling \
+             interval and 0.2 ms are named, since 0.2 ms at 15 m/s are 3 mm of crush. Not asked where CR204 or CR207 \
+             is.",
             "Contact seems later than it was: the crush is too large by the impact speed times the delay.",
             "run the filter forward and backward (filtfilt for lfilter), or take its delay off t0_ns",
         ],

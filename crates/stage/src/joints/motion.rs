@@ -55,8 +55,8 @@ pub(crate) static ROWS: [Invariant; 8] = [
         code: "CR304",
         ends_the_run: true,
         explanation: [
-            "The dynamic crush is not the displacement at its time, the velocity there is not zero, or the displacement \
-             at contact is not.",
+            "The dynamic crush is not the displacement at its time, the velocity there is not zero, or the \
+             displacement at contact is not.",
             "The curves are read at the stated time; 1 % and 1 mm of the crush, 5 % of the impact speed are left, \
              which is 1 % of the crush on a pulse of usual length.",
             "Crush is what models are fitted to and compared with.",
