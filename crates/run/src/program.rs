@@ -79,8 +79,8 @@ impl Commands {
 
     /// Errors: a program that was named for a stage does not exist, or is that of another stage.
     pub(crate) fn check(&self) -> anyhow::Result<()> {
-        let named = self.0.iter().filter(|(stage, typed)| **typed != format!("crumple-{stage}"));
-        named.map(|(stage, _)| self.program(stage, &Words::default()).map(drop)).collect()
+        let mut named = self.0.iter().filter(|(stage, typed)| **typed != format!("crumple-{stage}"));
+        named.try_for_each(|(stage, _)| self.program(stage, &Words::default()).map(drop))
     }
 }
 

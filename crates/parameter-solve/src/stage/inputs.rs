@@ -306,8 +306,8 @@ pub fn test_data<'a>(record: &'a Record, events: &EventsV1, sensors: &'a [Sensor
     }
 }
 
-/// The coefficient of restitution; zero where its interval holds zero, unknown where the record ends in the rebound.
+/// The coefficient of restitution; zero where its interval holds zero.
 fn restitution(events: &EventsV1) -> Option<f64> {
     let holds_zero = events.intervals.iter().any(|i| i.name == "coefficient_of_restitution" && i.low <= 0.0);
-    events.coefficient_of_restitution.filter(|_| !events.still_separating).map(|e| if holds_zero { 0.0 } else { e })
+    events.coefficient_of_restitution.map(|e| if holds_zero { 0.0 } else { e })
 }

@@ -1,5 +1,6 @@
 //! Rows of the joints of parameter-solve, simulate and predict: candidates, their curves, what they predict.
 
+use crumple_artifact::Artifact;
 use crumple_artifact::records::{CandidateV1, EventsV1, PredictionV1, RecommendationV1, SimulationV1, TestV1};
 use crumple_signal::About;
 
@@ -215,7 +216,7 @@ fn recommended_misses_its_test(parts: &RunParts<'_>) -> Vec<Finding> {
 fn of_nobody(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some(solved) = parts.of("parameter-solve") else { return Vec::new() };
     let is_there = |id: &str| solved.records().iter().any(|raw| raw.topic.strip_prefix("/parameters/") == Some(id));
-    let simulated = parts.of("simulate").into_iter().flat_map(|artifact| artifact.records());
+    let simulated = parts.of("simulate").into_iter().flat_map(Artifact::records);
     let simulated = simulated.filter_map(|raw| Some(("simulate", raw.topic.strip_prefix("/simulation/")?.to_owned())));
     let predicted = parts.of("predict").into_iter();
     let predicted = predicted.flat_map(|artifact| records::<PredictionV1>(artifact, "/prediction/"));

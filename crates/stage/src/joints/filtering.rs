@@ -40,8 +40,8 @@ pub(crate) static ROWS: [Invariant; 7] = [
             "The filtered pulse is late: its filter has a delay.",
             "The ways that both add up to 150 ms are compared: a delay takes the change of velocity times itself off. \
              A filter run forward and backward has none (ISO 6487 and SAE J211 ask for that); more than one sampling \
-             interval and 0.2 ms are named, since 0.2 ms at 15 m/s are 3 mm of crush. Not asked where CR204 or CR207 \
-             is.",
+             interval and 1 ms are named: noise and zero levels of made records come to 0.4 ms. Not asked where CR204 \
+             or CR207 is.",
             "Contact seems later than it was: the crush is too large by the impact speed times the delay.",
             "run the filter forward and backward (filtfilt for lfilter), or take its delay off t0_ns",
         ],
@@ -166,7 +166,7 @@ fn ends_early(parts: &RunParts<'_>) -> Vec<Finding> {
 }
 
 /// Least delay that is named beside a sampling interval, s.
-const DELAY_S: f64 = 2e-4;
+const DELAY_S: f64 = 1e-3;
 
 fn is_late(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some(pulse) = Pulse::of(parts) else { return Vec::new() };
