@@ -148,11 +148,16 @@ fn parameter_outside(parts: &RunParts<'_>) -> Vec<Finding> {
     Vec::new()
 }
 
+/// Whether an artifact holds the candidate of an id.
+fn has_candidate(artifact: &Artifact, id: &str) -> bool {
+    artifact.records().iter().any(|raw| raw.topic.strip_prefix("/parameters/") == Some(id))
+}
+
 fn recommends_nobody(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some(artifact) = parts.of("parameter-solve") else { return Vec::new() };
     let Some(choice) = record::<RecommendationV1>(artifact, "/recommendation") else { return Vec::new() };
     let named = [("recommended", &choice.recommended), ("simplest", &choice.simplest), ("closest", &choice.closest)];
-    let is_there = |id: &str| artifact.records().iter().any(|raw| raw.topic.strip_prefix("/parameters/") == Some(id));
+    let is_there = |id: &str| has_candidate(artifact, id);
     let absent = named.into_iter().find_map(|(what, id)| Some((what, id.as_deref().filter(|id| !is_there(id))?)));
     let Some((what, id)) = absent else { return Vec::new() };
     let text = format!("{id} is named as {what}, and there is no such candidate");
@@ -215,7 +220,7 @@ fn recommended_misses_its_test(parts: &RunParts<'_>) -> Vec<Finding> {
 
 fn of_nobody(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some(solved) = parts.of("parameter-solve") else { return Vec::new() };
-    let is_there = |id: &str| solved.records().iter().any(|raw| raw.topic.strip_prefix("/parameters/") == Some(id));
+    let is_there = |id: &str| has_candidate(solved, id);
     let simulated = parts.of("simulate").into_iter().flat_map(Artifact::records);
     let simulated = simulated.filter_map(|raw| Some(("simulate", raw.topic.strip_prefix("/simulation/")?.to_owned())));
     let predicted = parts.of("predict").into_iter();
