@@ -366,7 +366,7 @@ impl StatedChain {
     /// Errors: a chain without meaning, a wave of a mass that the chain does not have, no start with a finite response.
     pub fn fit(&self, observed: &Observation, starts: usize) -> Result<Vec<Candidate>, SolveError> {
         let masses = self.elements.len();
-        let length_s = observed.waves.iter().map(|w| w.time_s(w.samples.len() - 1)).fold(0.0, f64::max);
+        let length_s = observed.waves.iter().map(|w| w.window_s().1).fold(0.0, f64::max);
         if length_s <= 0.0 {
             return Err(SolveError::Value { name: "number of waves", value: 0.0, expected: "one or more" });
         }

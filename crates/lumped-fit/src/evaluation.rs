@@ -2,18 +2,27 @@
 //! sensors and the force on the wall.
 
 use crumple_lumped::{HORIZON_S, Model, Structure};
+use crumple_signal::{Measurement, Sampled};
 
-use crate::record::observation::Observation;
-use crate::record::sensor::{SensorPlace, WallForce};
+use crate::error::SolveError;
+use crate::record::observation::{Observation, ObservedWave};
+use crate::record::sensor::{FitQuantity, SensorPlace, WallForce};
 use crate::selection::compared::{EnergyClass, OwnTestErrors};
 use crate::selection::other_speeds::crush_error_at_lower_speeds;
 
 /// What a test shows of an impact and models are compared with.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredTest {
+    /// Channel of the pulse.
+    pub channel: String,
+    /// Window that was asked for, s after contact.
+    window_s: (f64, f64),
     /// Displacement of the pulse over the compared window, with the impact speed.
     pub displacement: Observation,
-    /// Sensors on other masses.
+    /// Accelerations of the pulse and of the sensors on other masses, these as shares of their sizes: what the evidence
+    /// for a candidate is of. `None`: not at hand, or too short.
+    pub acceleration: Option<Observation>,
+    /// Sensors on other masses, in the order of their accelerations behind that of the pulse.
     pub other_sensors: Vec<OtherMass>,
     /// Dynamic crush, m, and the time of it, s after contact; `None`: the record does not show it.
     pub dynamic_crush: Option<(f64, f64)>,
@@ -24,6 +33,26 @@ pub struct MeasuredTest {
     /// Force on the wall up to separation.
     pub wall: Option<WallForce>,
 }
+
+/// A wave, and how it was measured.
+#[derive(Debug, Clone, Copy)]
+pub struct Measured<'a> {
+    /// The wave, on its own time axis, s after contact.
+    pub wave: &'a Sampled,
+    /// How it was measured.
+    pub measurement: Measurement,
+}
+
+impl Measured<'_> {
+    /// What of it lies in a window, s after contact, every sample.
+    fn over(&self, window_s: (f64, f64), quantity: FitQuantity) -> Result<ObservedWave, SolveError> {
+        ObservedWave::new(self.wave, (None, quantity), self.measurement, window_s, usize::MAX)
+    }
+}
+
+/// A sensor without a signal: an acceleration of zeros in the compared window.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ZeroThroughout;
 
 /// A sensor on another mass than that of the pulse.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,22 +121,72 @@ pub fn evaluate(model: &Model, pulse: Option<usize>, test: &MeasuredTest) -> Eva
 }
 
 impl MeasuredTest {
-    /// A test of which nothing but the displacement of the pulse is known.
-    pub fn of_displacement(displacement: Observation) -> Self {
-        Self {
-            displacement,
+    /// A test by the displacement of its pulse at an impact speed, m/s, over a window, s after contact. Errors: fewer
+    /// than 12 samples in the window.
+    pub fn new(
+        channel: &str,
+        impact_speed_m_per_s: f64,
+        window_s: (f64, f64),
+        displacement: Measured<'_>,
+    ) -> Result<Self, SolveError> {
+        let displacement = displacement.over(window_s, FitQuantity::Displacement)?;
+        Ok(Self {
+            channel: channel.to_owned(),
+            window_s,
+            displacement: Observation { impact_speed_m_per_s, waves: vec![displacement] },
+            acceleration: None,
             other_sensors: Vec::new(),
             dynamic_crush: None,
             restitution: None,
             rebound_is_cut: false,
             wall: None,
+        })
+    }
+
+    /// Adds the acceleration of the pulse; one that is too short stays out.
+    pub fn with_acceleration(mut self, acceleration: Measured<'_>) -> Self {
+        let observed = acceleration.over(self.window_s, FitQuantity::Acceleration).ok();
+        let impact_speed_m_per_s = self.displacement.impact_speed_m_per_s;
+        self.acceleration = observed.map(|wave| Observation { impact_speed_m_per_s, waves: vec![wave] });
+        self
+    }
+
+    /// Adds a sensor on another mass, its acceleration and its displacement where it was integrated. What is too short
+    /// stays out, and all of it where the pulse has no acceleration. Errors: an acceleration of zeros.
+    pub fn add_sensor(
+        &mut self,
+        (channel, place): (&str, SensorPlace),
+        acceleration: Measured<'_>,
+        displacement: Option<Measured<'_>>,
+    ) -> Result<(), ZeroThroughout> {
+        let Some(accelerations) = &mut self.acceleration else { return Ok(()) };
+        let Ok(mut wave) = acceleration.over(self.window_s, FitQuantity::Acceleration) else { return Ok(()) };
+        wave.weight = accelerations.waves[0].size() / wave.size();
+        if !wave.weight.is_finite() {
+            return Err(ZeroThroughout);
         }
+        accelerations.waves.push(wave);
+        let displacement =
+            displacement.and_then(|record| record.over(self.window_s, FitQuantity::Displacement).ok()).map(|wave| {
+                Observation { impact_speed_m_per_s: self.displacement.impact_speed_m_per_s, waves: vec![wave] }
+            });
+        self.other_sensors.push(OtherMass { channel: channel.to_owned(), place, displacement });
+        Ok(())
+    }
+
+    /// Adds the force on the wall, where there is one, up to the end of contact: `end_of_contact_s` is given the end of
+    /// the record. One that is too short stays out.
+    pub fn with_wall(mut self, force: Option<Measured<'_>>, end_of_contact_s: impl Fn(f64) -> f64) -> Self {
+        let wall = |Measured { wave, measurement }: Measured<'_>| {
+            WallForce::new(wave, measurement, end_of_contact_s(wave.end_s())).ok()
+        };
+        self.wall = force.and_then(wall);
+        self
     }
 
     /// The compared window, s after contact.
     pub fn window_s(&self) -> (f64, f64) {
-        let wave = &self.displacement.waves[0];
-        (wave.time_s(0), wave.time_s(wave.samples.len() - 1))
+        self.displacement.waves[0].window_s()
     }
 
     /// How a model with this dynamic crush, m, this time of it, s, and this restitution misses the events.
@@ -148,11 +227,8 @@ impl MeasuredTest {
 #[cfg(test)]
 mod tests {
     use crumple_lumped::Kelvin;
-    use crumple_signal::{Measurement, Sampled};
 
     use super::*;
-    use crate::record::observation::ObservedWave;
-    use crate::record::sensor::FitQuantity;
 
     #[test]
     fn the_model_of_the_record_misses_nothing_and_one_of_another_spring_its_crush() {
@@ -160,14 +236,15 @@ mod tests {
         let (made, speed) = (model(4e5), 15.0);
         let at = |k: u32| made.state(speed, f64::from(k) * 1e-4).displacement_m;
         let record = Sampled::new(0.0, 1e-4, (0..800).map(at).collect()).unwrap();
-        let what = (None, FitQuantity::Displacement);
-        let wave =
-            ObservedWave::new(&record, what, Measurement::of_samples(&record), (0.0, 0.078), usize::MAX).unwrap();
+        let measured_by = |measurement| {
+            let displacement = Measured { wave: &record, measurement };
+            MeasuredTest::new("pulse", speed, (0.0, 0.078), displacement).unwrap()
+        };
         let events = made.events(speed);
         let test = MeasuredTest {
             dynamic_crush: events.dynamic_crush_m.zip(events.time_of_dynamic_crush_s),
             restitution: Some(1.0),
-            ..MeasuredTest::of_displacement(Observation { impact_speed_m_per_s: speed, waves: vec![wave] })
+            ..measured_by(Measurement::of_samples(&record))
         };
         let own = evaluate(&Model::Kelvin(made), None, &test);
         // Rounding of 800 steps and of the closed form.
@@ -178,9 +255,7 @@ mod tests {
         for first_s in [-0.001, -0.01, -0.05, -0.3_f64] {
             let samples = record.len() + (-first_s / 1e-4).round() as usize;
             let measurement = Measurement { first_s, samples, ..Measurement::of_samples(&record) };
-            let wave = ObservedWave::new(&record, what, measurement, (0.0, 0.078), usize::MAX).unwrap();
-            let early = Observation { impact_speed_m_per_s: speed, waves: vec![wave] };
-            let early = evaluate(&Model::Kelvin(made), None, &MeasuredTest::of_displacement(early));
+            let early = evaluate(&Model::Kelvin(made), None, &measured_by(measurement));
             assert!((early.fit_as_measured_percent.unwrap() - 100.0).abs() < 1e-9, "{first_s}: {early:?}");
         }
         // A fourfold stiffness halves crush and time.

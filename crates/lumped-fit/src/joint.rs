@@ -279,7 +279,7 @@ impl JointTest<'_> {
 /// that is read off it; the curve of several is held by their forces at equal crush.
 fn acceleration(test: &JointTest<'_>, displacement: &ObservedWave) -> Option<ObservedWave> {
     let (record, measurement) = test.acceleration?;
-    let window_s = (displacement.time_s(0), displacement.time_s(displacement.samples.len() - 1));
+    let window_s = displacement.window_s();
     let (what, samples) = ((displacement.mass, FitQuantity::Acceleration), displacement.samples.len());
     ObservedWave::new(record, what, measurement, window_s, samples).ok()
 }

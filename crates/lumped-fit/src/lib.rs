@@ -17,8 +17,9 @@
 //! filter, integration; where that is not known, on the motion itself), and the candidate is made from that minimum.
 //! [`Minimum::assess`] works there too.
 //!
-//! [`evaluate`] compares a model with its test, once for all who ask. [`choose`] names the candidate for prediction,
-//! the simplest and the closest: evidence as measured, and what is known of vehicles as terms of its own.
+//! [`evaluate`] compares a model with its [`MeasuredTest`], once for all who ask. [`Comparison::solution`] names the
+//! candidate for prediction, the simplest and the closest: evidence as measured, and what is known of vehicles as terms
+//! of its own.
 //!
 //! ```
 //! use crumple_lumped::Kelvin;
@@ -75,6 +76,7 @@ mod selection {
 
     pub mod choice;
     pub mod compared;
+    pub mod comparison;
     pub mod evidence;
     pub mod other_speeds;
     pub mod rating;
@@ -102,8 +104,7 @@ mod uncertainty {
 }
 
 pub use candidate::{
-    Assessed, Assessment, BlockBootstrap, Candidate, Fit, LeastMisfit, Method, Minimum, Profile, Propagation,
-    Uncertainty,
+    Assessed, Assessment, BlockBootstrap, Candidate, Fit, Method, Minimum, Profile, Propagation, Uncertainty,
 };
 pub use chain::{Stated, StatedChain, StatedElement, StatedMass};
 pub use closed_form::{
@@ -112,13 +113,13 @@ pub use closed_form::{
 pub use coordinates::MassFit;
 pub use crumple_signal::Measurement;
 pub use error::SolveError;
-pub use evaluation::{Evaluation, MeasuredTest, OtherMass, evaluate};
+pub use evaluation::{Evaluation, Measured, MeasuredTest, evaluate};
 pub use extraction::extract::extract;
 pub use extraction::problem::{AskedCurve, Extraction, ExtractionTest, MeasuredElement, MeasuredMass};
 pub use fit::as_measured::fit_as_measured;
 pub use fit::problem::SingleMassFitOptions;
 pub use joint::{JointTest, RateFactorSource, fit_together};
-pub use matching::{CoefficientSpread, Identified, Matched, Quartic};
+pub use matching::{CoefficientSpread, Identified, MassDivisions, Matched, Quartic};
 pub use papers::{
     FireflyOptions, FireflyUnits, curve_fit_of_the_paper, front_from_amplitudes, match_as_the_paper_typed,
     maxwell_from_sum, rear_from_amplitudes,
@@ -126,11 +127,10 @@ pub use papers::{
 pub use parameters::{MassSplit, free_parameters};
 pub use record::observation::{Impact, MeasureModel, Observation, ObservedWave};
 pub use record::sensor::{FitQuantity, Sensor, SensorFit, SensorPlace, TestData, WallForce};
-pub use selection::choice::{CandidateSelection, Choice, Strength, choose};
-pub use selection::compared::{ComparedCandidate, EnergyClass, OwnTestErrors, SelectionRules, depends_on_rate};
-pub use selection::evidence::{Evidence, SLOW_HZ};
-pub use selection::other_speeds::affects_predictions;
-pub use selection::rating::{ComparedRecord, Rated};
+pub use selection::choice::{Choice, Strength};
+pub use selection::compared::{ComparedCandidate, EnergyClass, SelectionRules, depends_on_rate};
+pub use selection::comparison::{Comparison, EvaluatedCandidate, KnownNumbers, Solution};
+pub use selection::rating::Rated;
 pub use solvers::closed_forms::{ONE_MASS_RATE_S_PER_M, RATE_PRIOR_S_PER_M};
 pub use solvers::table::{SolveSettings, solve};
 pub use uncertainty::assessment::AssessmentOptions;

@@ -74,6 +74,37 @@ pub struct Matched {
     pub zeta_of_the_start: Option<f64>,
 }
 
+/// Every solution with the same poles and total mass at other divisions of the mass, with the front share.
+fn swept(matching: &CoefficientMatching) -> Result<Vec<(f64, CoefficientMatch)>, SolveError> {
+    let fractions: Vec<f64> = (1..=SWEEP).map(|k| k as f64 / (SWEEP + 1) as f64).collect();
+    Ok(fractions.iter().copied().zip(matching.mass_split_sweep(&fractions)?).collect())
+}
+
+/// All solutions with the poles of a fitted double model, over the division of its mass.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MassDivisions {
+    /// Bound of m2/m1 above which no solution is physical; `None`: no division has one.
+    pub largest_mass_ratio: Option<f64>,
+    /// The solutions at each division, with the front share.
+    pub sweep: Vec<(f64, CoefficientMatch)>,
+}
+
+impl MassDivisions {
+    /// Of a double model that was fitted and stopped on no bound but zero, whose poles are not the record's. `None` of
+    /// any other, and of a dual, which has the poles of the candidate before it.
+    pub fn of(candidate: &Candidate) -> Option<Self> {
+        let Model::DoubleSpringMassDamper(model) = &candidate.model else { return None };
+        let bounds = &candidate.fit.as_ref()?.active_bounds;
+        let is_dual = candidate.equivalent_to.is_some_and(|other| other < candidate.index);
+        if is_dual || bounds.iter().any(|name| candidate.model.value(name) != Some(0.0)) {
+            return None;
+        }
+        let [_, t, u, v, w] = model.characteristic_polynomial();
+        let matching = CoefficientMatching::new([t, u, v, w], model.m1_kg, model.m2_kg, Reading::Binary).ok()?;
+        Some(Self { largest_mass_ratio: matching.largest_mass_ratio(), sweep: swept(&matching).ok()? })
+    }
+}
+
 impl Identified {
     /// Matches the characteristic polynomial of the double model with that of an identified model, for masses in kg.
     ///
@@ -97,8 +128,7 @@ impl Identified {
             Quartic::Poles(poles) => CoefficientMatching::from_poles(&poles, m1_kg, m2_kg, Reading::Binary)?,
         };
         let coefficient_match = matching.solve();
-        let fractions: Vec<f64> = (1..=SWEEP).map(|k| k as f64 / (SWEEP + 1) as f64).collect();
-        let sweep = fractions.iter().copied().zip(matching.mass_split_sweep(&fractions)?).collect();
+        let sweep = swept(&matching)?;
         let solutions_in_words = solutions_in_words(&coefficient_match);
         let physical = coefficient_match.solutions.iter().any(|s| s.physical);
         let text = format!("{}: {solutions_in_words}", self.id);

@@ -5,6 +5,8 @@ use crumple_metrics::definitions::{CATALOGUE, ISO};
 use crumple_metrics::{CoraOptions, Iso18571Options, Metric, cora, fit_percent, iso18571, residuals, rmse};
 use crumple_signal::{Cfc, Channel, Measurement, Sampled, through_class};
 
+use crate::residual::Residual;
+
 // The peak of a model's deceleration as a laboratory reads it.
 
 /// Zero acceleration before contact, as a laboratory records it: the filter looks ahead.
@@ -243,6 +245,8 @@ pub struct Comparison {
     pub time_of_dynamic_crush_error_s: Option<f64>,
     /// ISO/TS 18571 of the acceleration; CORA, Sprague-Geers and Theil of acceleration and displacement.
     pub ratings: Vec<Rating>,
+    /// What the model leaves of the measured acceleration.
+    pub residual: Option<Residual>,
 }
 
 /// The response of a model from time zero to the end of the test's displacement record.

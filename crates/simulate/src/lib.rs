@@ -16,6 +16,7 @@
 
 mod comparison;
 mod error;
+mod residual;
 mod simulate;
 mod stage;
 
@@ -24,6 +25,7 @@ pub use comparison::{
     is_on_engine, ratings,
 };
 pub use error::SimulateError;
+pub use residual::{Residual, residual};
 pub use simulate::{Excitation, simulate, simulate_chain, simulate_driven};
 
 /// The program.

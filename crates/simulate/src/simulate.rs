@@ -6,6 +6,7 @@ use crumple_signal::Sampled;
 
 use crate::comparison::{Comparison, Measured, Simulation, Window, iso_ratings, ratings};
 use crate::error::SimulateError;
+use crate::residual::residual;
 
 // What moves the models: the impact, or a record of the test.
 
@@ -201,8 +202,9 @@ fn beside_the_test(
     let acceleration = test.acceleration.and_then(|record| pairs(record, &motion.acceleration_m_per_s2));
     let fit =
         |pair: &Option<(Sampled, Sampled)>| pair.as_ref().and_then(|(y, yh)| fit_percent(y.samples(), yh.samples()));
-    let mut rated = Vec::new();
+    let (mut rated, mut left) = (Vec::new(), None);
     if let Some((a, ah)) = &acceleration {
+        left = residual(a.samples(), ah.samples(), dt);
         rated = iso_ratings(a, ah);
         rated.extend(ratings("acceleration", a, ah));
     }
@@ -223,6 +225,7 @@ fn beside_the_test(
         dynamic_crush_error_m: difference(events.dynamic_crush_m, test.dynamic_crush_m),
         time_of_dynamic_crush_error_s: difference(events.time_of_dynamic_crush_s, test.time_of_dynamic_crush_s),
         ratings: rated,
+        residual: left,
     };
     let compartment = masses.len().saturating_sub(1);
     Ok(Simulation { motion, events, comparison, masses, compartment, dynamics })

@@ -16,7 +16,7 @@ fn candidate(model: &str, parameters: &[(&str, f64)]) -> CandidateV1 {
         fit: None,
         uncertainty: None,
         notes: Vec::new(),
-        evaluation: None,
+        ..CandidateV1::default()
     }
 }
 

@@ -541,6 +541,16 @@ fn freeze_simulated() {
         coefficient_of_restitution: Some(0.15),
         rebound_velocity_m_per_s: Some(-2.4),
         peak_acceleration_m_per_s2: Some(-400.0),
+        residual: Some(ResidualV1 {
+            rms_m_per_s2: 4.5,
+            share_of_test: 0.03,
+            samples: 743,
+            lag_s: 1e-4,
+            autocorrelation: vec![1.0, 0.75],
+            limit: 0.072,
+            share_outside: 0.5,
+        }),
+        band: Some(MotionBandV1 { dt_s: 4e-4, displacement_m: vec![0.0, 1e-3], velocity_m_per_s: vec![0.0, 0.25] }),
     });
 }
 

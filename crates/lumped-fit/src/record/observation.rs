@@ -224,6 +224,11 @@ impl ObservedWave {
         self.measurement.time_s(self.first + index * self.stride)
     }
 
+    /// Times of its first and its last sample that are compared, s after contact.
+    pub fn window_s(&self) -> (f64, f64) {
+        (self.time_s(0), self.time_s(self.samples.len() - 1))
+    }
+
     /// The same window with every sample of the record.
     #[must_use]
     pub(crate) fn dense(&self) -> Self {

@@ -325,7 +325,7 @@ impl WallForce {
 
     /// End of the window, s after contact.
     pub fn to_s(&self) -> f64 {
-        self.wave.time_s(self.wave.samples.len() - 1)
+        self.wave.window_s().1
     }
 
     /// How far a model that hits the wall at this speed misses the force, percent: root mean square of the force of the

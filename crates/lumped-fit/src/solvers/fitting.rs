@@ -276,7 +276,7 @@ impl<'a> FitTask<'a> {
 }
 
 fn end_s(observed: &Observation) -> f64 {
-    observed.waves.iter().map(|wave| wave.time_s(wave.samples.len() - 1)).fold(0.0, f64::max)
+    observed.waves.iter().map(|wave| wave.window_s().1).fold(0.0, f64::max)
 }
 
 /// A candidate of no fit.

@@ -1,7 +1,9 @@
 //! The double model comes back from its own record.
 
 use crumple_lumped::{DoubleSpringMassDamper, Model, ModelKind};
-use crumple_lumped_fit::{AssessmentOptions, Candidate, Fit, MassSplit, SolveError, SolveSettings, TestData, solve};
+use crumple_lumped_fit::{
+    AssessmentOptions, Candidate, Fit, MassDivisions, MassSplit, SolveError, SolveSettings, TestData, solve,
+};
 use crumple_numerics::estimation::minimise::StopReason;
 use crumple_signal::{Displacement, Notes, Signal};
 
@@ -99,6 +101,16 @@ fn known_records_give_their_parameters_and_the_dual() {
         assert!(a.k1_n_per_m <= b.k1_n_per_m);
         assert!(found.fit.rmse < 1e-12 && found.fit.active_bounds.is_empty());
         assert_ne!(found.fit.stop_reason, StopReason::IterationLimit);
+        // Its poles at other divisions of the mass; the dual has the same.
+        let divisions = MassDivisions::of(&found.candidates[0]).unwrap();
+        let front = truth.m1_kg / (truth.m1_kg + truth.m2_kg);
+        let near = divisions.sweep.iter().filter(|(share, _)| (share - front).abs() < 0.02);
+        assert!(near.count() > 0 && divisions.largest_mass_ratio.unwrap() > truth.m2_kg / truth.m1_kg);
+        for (share, at) in divisions.sweep.iter().filter(|(share, _)| (share - front).abs() < 1e-9) {
+            let k1 = at.solutions.iter().map(|s| (s.k1_n_per_m.re / truth.k1_n_per_m - 1.0).abs());
+            assert!(k1.fold(f64::MAX, f64::min) < 1e-6, "{share}");
+        }
+        assert!(MassDivisions::of(&found.candidates[1]).is_none());
     }
 }
 
@@ -114,6 +126,8 @@ fn undetermined_dampers_end_on_a_bound_and_say_so() {
     };
     let found = fit(truth, 12.0);
     assert!(found.fit.active_bounds.iter().any(|name| name.starts_with('c')), "{found:?}");
+    // The poles are those of the bound.
+    assert!(found.candidates.iter().all(|candidate| MassDivisions::of(candidate).is_none()));
     // The least damper allowed is 1e-5 M/T = 0.15 N s/m; it moves the compartment by less than a micrometre.
     assert!(found.fit.rmse < 1e-6);
     let [a, b] = &found.models[..] else { unreachable!() };

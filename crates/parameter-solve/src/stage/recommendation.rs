@@ -1,22 +1,21 @@
 //! The choice among the candidates of a run, as a record and in words.
 
-use crumple_lumped_fit::{CandidateSelection, Choice, ComparedCandidate, Rated, Strength, choose};
+use crumple_lumped_fit::{Choice, ComparedCandidate, Comparison, EvaluatedCandidate, Rated, Solution, Strength};
 use crumple_signal::{ANOTHER_VEHICLE, Axis, Notes};
 use crumple_stage::records::{
     EventsV1, PriorTermV1, PriorV1, RatedCandidateV1, RecommendationEvidenceV1, RecommendationV1, StrengthV1,
 };
 use crumple_stage::{Inputs, Output};
 
-use crate::stage::comparison::Comparison;
+use crate::stage::comparison::measured_test;
 use crate::stage::inputs::Displaced;
-use crate::stage::records::AssessedCandidate;
 use crate::stage::settings::StageSettings;
 
 /// Chooses and writes `/recommendation`; without a comparison there is no choice, for a reason.
 pub fn recommend(
     settings: &StageSettings,
     comparison: &Result<Comparison, String>,
-    candidates: &[AssessedCandidate<'_>],
+    candidates: &[EvaluatedCandidate<'_>],
     out: &mut Output,
 ) -> anyhow::Result<()> {
     let record = match comparison {
@@ -33,13 +32,10 @@ pub fn recommend(
 fn chosen(
     settings: &StageSettings,
     comparison: &Comparison,
-    candidates: &[AssessedCandidate<'_>],
+    candidates: &[EvaluatedCandidate<'_>],
     out: &mut Output,
 ) -> RecommendationV1 {
-    let no_dual = candidates.iter().enumerate().filter(|(k, candidate)| !is_dual(candidate, &candidates[..*k]));
-    let candidates = comparison.candidates(&no_dual.map(|(_, candidate)| candidate).collect::<Vec<_>>());
-    let selection = choose(&candidates, &comparison.record(), &settings.selection);
-    let record = recommendation_record(&candidates, &selection, comparison);
+    let record = recommendation_record(&comparison.solution(candidates, &settings.selection), comparison);
     for (name, id, because) in [
         ("recommended", &record.recommended, &record.recommended_because),
         ("simplest", &record.simplest, &record.simplest_because),
@@ -78,14 +74,9 @@ pub fn compared(
     let Some((mass_kg, speed)) = settings.mass_kg.or(test.mass_kg).zip(speed) else {
         return Ok(Err("the test has no mass or no impact speed".to_owned()));
     };
-    let comparison = Comparison::read(settings, input, (events, displacement), (mass_kg, speed), notes)?;
+    let measured = measured_test(settings, input, (events, displacement), (mass_kg, speed), notes)?;
+    let comparison = measured.and_then(Comparison::of_one);
     Ok(comparison.ok_or_else(|| "no acceleration and displacement of the pulse up to dynamic crush".to_owned()))
-}
-
-/// Whether an earlier candidate gives exactly the same record.
-fn is_dual(candidate: &AssessedCandidate<'_>, earlier: &[AssessedCandidate<'_>]) -> bool {
-    let other = candidate.record.equivalent_to.as_ref();
-    other.is_some_and(|other| earlier.iter().any(|earlier| earlier.candidate.id() == *other))
 }
 
 /// No choice, and why.
@@ -98,11 +89,8 @@ fn without(because: &str) -> RecommendationV1 {
     }
 }
 
-fn recommendation_record(
-    candidates: &[ComparedCandidate],
-    selection: &CandidateSelection,
-    comparison: &Comparison,
-) -> RecommendationV1 {
+fn recommendation_record(solution: &Solution, comparison: &Comparison) -> RecommendationV1 {
+    let Solution { compared: candidates, selection } = solution;
     let id = |choice: &Choice| choice.candidate.map(|k| candidates[k].id.clone());
     let (from_s, to_s) = comparison.window_s();
     let evidence = selection.terms.map(|terms| RecommendationEvidenceV1 {

@@ -2,58 +2,61 @@
 
 use std::collections::BTreeMap;
 
-use crumple_lumped::{Model, Parameter, ParameterKind};
+use crumple_lumped::{CoefficientMatch, MatchedSolution, Model, Parameter, ParameterKind};
 use crumple_lumped_fit::{
-    Assessed, BlockBootstrap, Candidate, Evaluation, Fit, Matched, Minimum, Profile, Propagation, SensorFit,
-    Uncertainty,
+    Assessed, BlockBootstrap, Candidate, Comparison, EvaluatedCandidate, Fit, KnownNumbers, MassDivisions, Matched,
+    Minimum, Profile, Propagation, SensorFit, Uncertainty,
 };
 use crumple_stage::records::{
-    CandidateV1, FitV1, MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1, PhysicalCoordinatesV1,
-    ProfileV1, ReplicatesV1, SensorFitV1, UncertaintyV1,
+    CandidateV1, Certainty, FitV1, MassDivisionsV1, MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1,
+    PhysicalCoordinatesV1, ProfileV1, ReplicatesV1, SensorFitV1, UncertaintyV1,
 };
 use crumple_stage::{Output, Record};
 use nalgebra::SMatrix;
 use rayon::prelude::*;
 
-use crate::stage::comparison::Comparison;
+use crate::stage::comparison::evaluation_record;
 
 // A candidate as the artifact and a person get it.
 
-/// A candidate with its record, and beside each of the tests that candidates are compared with.
-#[derive(Debug)]
-pub struct AssessedCandidate<'a> {
-    pub candidate: &'a Candidate,
-    pub record: CandidateV1,
-    pub evaluations: Vec<Evaluation>,
-}
-
 /// Writes `/parameters/<id>` of every candidate, fitted to sensors of which `channel` is the pulse, and what a person
-/// should hear at once. One with a number that no record holds is left out, for a reason that the notes say.
+/// should hear at once; beside the tests of the comparison. One with a number that no record holds is left out, for a
+/// reason that the notes say.
 pub fn write_candidates<'a>(
     candidates: &'a [Candidate],
     channel: &str,
     comparison: Option<&Comparison>,
     out: &mut Output,
-) -> anyhow::Result<Vec<AssessedCandidate<'a>>> {
+) -> anyhow::Result<Vec<EvaluatedCandidate<'a>>> {
     let assess = |candidate: &'a Candidate| {
         let mut record = record(candidate, channel);
         let compared = comparison.filter(|_| record.first_impossible().is_none());
         let evaluations = compared.map_or_else(Vec::new, |comparison| comparison.evaluate(candidate));
-        record.evaluation = compared.and_then(|comparison| comparison.evaluation_record(&evaluations));
-        AssessedCandidate { candidate, record, evaluations }
+        record.evaluation = compared.and_then(|comparison| evaluation_record(comparison, &evaluations));
+        (record, EvaluatedCandidate { candidate, known: KnownNumbers::default(), evaluations })
     };
-    let assessed: Vec<AssessedCandidate<'a>> = candidates.par_iter().map(assess).collect();
+    let assessed: Vec<(CandidateV1, EvaluatedCandidate<'a>)> = candidates.par_iter().map(assess).collect();
     let mut written = Vec::new();
-    for one in assessed {
+    for (record, one) in assessed {
         let id = one.candidate.id();
-        if !out.put_candidate(&format!("/parameters/{id}"), &id, &one.record)? {
+        if !out.put_candidate(&format!("/parameters/{id}"), &id, &record)? {
             continue;
         }
-        out.summary(parameters_line(&one));
+        out.summary(parameters_line(one.candidate, &record));
         summary_text(one.candidate).into_iter().for_each(|text| out.summary(text));
-        written.push(one);
+        written.push(EvaluatedCandidate { known: known_numbers(&record), ..one });
     }
     Ok(written)
+}
+
+/// What the record of a candidate says of its numbers.
+fn known_numbers(record: &CandidateV1) -> KnownNumbers {
+    let owned = |names: Vec<&str>| names.into_iter().map(str::to_owned).collect();
+    KnownNumbers {
+        asked: owned(record.asked().collect()),
+        open: owned(record.undetermined()),
+        order_of_magnitude: record.parameters_of(Certainty::OrderOfMagnitude).len(),
+    }
 }
 
 fn record(candidate: &Candidate, channel: &str) -> CandidateV1 {
@@ -70,6 +73,10 @@ fn record(candidate: &Candidate, channel: &str) -> CandidateV1 {
         uncertainty: assessed.or_else(of_fit).or_else(open),
         notes: candidate.notes.iter().map(ToString::to_string).collect(),
         evaluation: None,
+        mass_divisions: MassDivisions::of(candidate).map(|divisions| MassDivisionsV1 {
+            largest_mass_ratio: divisions.largest_mass_ratio,
+            sweep: sweep_records(&divisions.sweep),
+        }),
     }
 }
 
@@ -99,8 +106,7 @@ fn fit_record(fit: &Fit, channel: &str) -> FitV1 {
 
 /// `kelvin/closed-form/1: stiffness 321.9 kN/m, ...` in the units of the trade, and how many of them the record leaves
 /// open.
-fn parameters_line(written: &AssessedCandidate<'_>) -> String {
-    let AssessedCandidate { candidate, record, .. } = written;
+fn parameters_line(candidate: &Candidate, record: &CandidateV1) -> String {
     let open = match (record.undetermined().len(), record.asked().count()) {
         (0, _) => String::new(),
         (n, of) => format!("; {n} of {of} not determined"),
@@ -172,19 +178,7 @@ pub fn matching_record(matched: &Matched, source: &str) -> MatchingV1 {
                 zero_im_per_s: s.zero().map(|zero| zero.im),
             })
             .collect(),
-        sweep: matched
-            .sweep
-            .iter()
-            .flat_map(|(fraction, at)| at.solutions.iter().filter(|s| s.real).map(move |s| (*fraction, s)))
-            .map(|(front_mass_fraction, s)| MatchingSweepV1 {
-                front_mass_fraction,
-                k1_n_per_m: s.k1_n_per_m.re,
-                k2_n_per_m: s.k2_n_per_m.re,
-                c1_n_s_per_m: s.c1_n_s_per_m.re,
-                c2_n_s_per_m: s.c2_n_s_per_m.re,
-                physical: s.physical,
-            })
-            .collect(),
+        sweep: sweep_records(&matched.sweep),
         notes: matched.remarks.clone(),
         source: Some(source.to_owned()),
         zeta_of_the_start_per_s2: matched.zeta_of_the_start,
@@ -204,6 +198,21 @@ pub fn matching_record(matched: &Matched, source: &str) -> MatchingV1 {
             })
             .collect(),
     }
+}
+
+/// The real solutions of a sweep over the division of the mass.
+fn sweep_records(sweep: &[(f64, CoefficientMatch)]) -> Vec<MatchingSweepV1> {
+    let real =
+        sweep.iter().flat_map(|(fraction, at)| at.solutions.iter().filter(|s| s.real).map(move |s| (fraction, s)));
+    let record = |(fraction, s): (&f64, &MatchedSolution)| MatchingSweepV1 {
+        front_mass_fraction: *fraction,
+        k1_n_per_m: s.k1_n_per_m.re,
+        k2_n_per_m: s.k2_n_per_m.re,
+        c1_n_s_per_m: s.c1_n_s_per_m.re,
+        c2_n_s_per_m: s.c2_n_s_per_m.re,
+        physical: s.physical,
+    };
+    real.map(record).collect()
 }
 
 /// A matrix row by row.

@@ -1,12 +1,12 @@
 //! One model for several tests: their records, the joint candidates, the choice among them.
 
-use crumple_lumped_fit::{FitQuantity, JointTest, RateFactorSource, Sensor, fit_together};
+use crumple_lumped_fit::{Comparison, FitQuantity, JointTest, RateFactorSource, Sensor, fit_together};
 use crumple_signal::{Axis, Measurement, Sampled, TestDescription};
 use crumple_stage::records::{EventsV1, JointTestV1, SourceV1, TestV1, TestsV1};
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt, Usage, option};
 
 use crate::stage::assess::{assess_each, assess_fit};
-use crate::stage::comparison::Comparison;
+use crate::stage::comparison::measured_test;
 use crate::stage::inputs::{Record, motion, not_slowed, pulse_displacement, see, sensors_of, test_data};
 use crate::stage::recommendation::recommend;
 use crate::stage::records::write_candidates;
@@ -57,10 +57,12 @@ pub fn from_several(settings: &StageSettings, tests: &[(String, Inputs)], out: &
         .map(|test| {
             let Record { displacement, mass_kg, impact_speed_m_per_s, .. } = &test.record;
             let impact = (*mass_kg, *impact_speed_m_per_s);
-            Comparison::read(settings, test.input, (&test.events, displacement.as_ref()), impact, out.notes())
+            let record = (&test.events, displacement.as_ref());
+            let measured = measured_test(settings, test.input, record, impact, out.notes())?;
+            Ok(measured.map(|measured| (measured, *mass_kg)))
         })
         .collect::<anyhow::Result<Option<Vec<_>>>>()?;
-    let comparison = compared.map(Comparison::of_several);
+    let comparison = compared.and_then(Comparison::of_several);
     let assessed = write_candidates(&candidates, &names.join(" and "), comparison.as_ref(), out)?;
     if assessed.is_empty() {
         let reason = "no model could be fitted to all tests; the notes say why";

@@ -39,7 +39,7 @@ fn candidate(model: &Model) -> CandidateV1 {
             ..UncertaintyV1::default()
         }),
         notes: Vec::new(),
-        evaluation: None,
+        ..CandidateV1::default()
     }
 }
 

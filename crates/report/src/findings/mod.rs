@@ -26,5 +26,5 @@ pub use results::run::{
     CandidateResult, Element, IdentifiabilityCounts, MeasuredWaves, Model, PoleStability, Run, SensorMotion, StageNote,
     StageRecord,
 };
-pub use results::{mass_divisions, model_band, ranking, residual};
+pub use results::{mass_divisions, ranking};
 pub use text::{HEAD, candidate_name, markdown, model_name, parameter, parameter_order, words_and_unit};

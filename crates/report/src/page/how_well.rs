@@ -1,11 +1,10 @@
 //! How well the recommended model and the closest follow the acceleration: rating in parts, residual, wall force.
 
+use crumple_artifact::records::ResidualV1;
+
 use crate::drawing::escape::html;
 use crate::drawing::numbers::{ABSENT, G_PER_M_PER_S2, MILLI};
-use crate::findings::{
-    CandidateResult, Ranking, Run, candidate_name,
-    residual::{Residual, residual},
-};
+use crate::findings::{CandidateResult, Ranking, Run, candidate_name};
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;
@@ -15,12 +14,13 @@ use crate::frame::{Column, heads};
 /// Parts of ISO/TS 18571 and the rating itself, in the order of their columns.
 const PARTS: [&str; 5] = ["iso18571-corridor", "iso18571-phase", "iso18571-magnitude", "iso18571-slope", "iso18571"];
 
-pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
+pub(super) fn write<'a>(out: &mut String, run: &'a Run, ranking: &Ranking) {
     let closest = run.recommendation.as_ref().and_then(|choice| choice.closest.as_deref());
     let mut ids: Vec<&str> = ranking.best.as_deref().into_iter().chain(closest).collect();
     ids.dedup();
-    let shown: Vec<&CandidateResult> = ids.into_iter().filter_map(|id| run.candidate(id)).collect();
-    let residuals: Vec<Option<Residual>> = shown.iter().map(|candidate| residual(run, candidate)).collect();
+    let shown: Vec<&'a CandidateResult> = ids.into_iter().filter_map(|id| run.candidate(id)).collect();
+    let left = |candidate: &&'a CandidateResult| candidate.simulation.as_ref()?.residual.as_ref();
+    let residuals: Vec<Option<&ResidualV1>> = shown.iter().map(left).collect();
     let rated = |candidate: &&CandidateResult| candidate.simulation.iter().any(|s| !s.ratings.is_empty());
     if !shown.iter().any(rated) && residuals.iter().all(Option::is_none) {
         return;
@@ -50,7 +50,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         heads(&columns)
     ));
     for (candidate, residual) in shown.iter().zip(&residuals) {
-        row(out, ranking, candidate, residual.as_ref());
+        row(out, ranking, candidate, *residual);
     }
     out.push_str("</tbody>\n</table></div>\n<div class=\"models\">\n");
     for (number, (candidate, residual)) in shown.iter().zip(&residuals).enumerate() {
@@ -64,7 +64,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     out.push_str(&format!("<p class=\"caption\">{over}{}</p>\n</section>\n", texts.caption));
 }
 
-fn row(out: &mut String, ranking: &Ranking, candidate: &CandidateResult, residual: Option<&Residual>) {
+fn row(out: &mut String, ranking: &Ranking, candidate: &CandidateResult, residual: Option<&ResidualV1>) {
     let simulation = candidate.simulation.as_ref();
     let of_acceleration = |id: &str| {
         let mut ratings = simulation.into_iter().flat_map(|simulation| &simulation.ratings);
@@ -102,7 +102,7 @@ pub(super) fn grade(note: &str) -> &str {
 }
 
 /// The autocorrelation of a residual with its limits, as a picture.
-fn autocorrelation(out: &mut String, number: usize, candidate: &CandidateResult, residual: &Residual) {
+fn autocorrelation(out: &mut String, number: usize, candidate: &CandidateResult, residual: &ResidualV1) {
     const WIDTH: f64 = 350.0;
     const HEIGHT: f64 = 130.0;
     const LEFT: f64 = 34.0;
@@ -122,7 +122,7 @@ fn autocorrelation(out: &mut String, number: usize, candidate: &CandidateResult,
         .collect();
     let name = html(&candidate_name(&candidate.id));
     let texts = &PHRASES.how_well;
-    let longest = format!("{} ms", words::decimals(MILLI * residual.dt_s * last, 0));
+    let longest = format!("{} ms", words::decimals(MILLI * residual.lag_s * last, 0));
     let share = format!("{} %", words::decimals(1e2 * residual.share_outside, 0));
     let filled = [("model", &name), ("share", &share), ("longest", &longest)];
     let title = fill(texts.autocorrelation_title, &filled);

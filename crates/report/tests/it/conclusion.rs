@@ -80,7 +80,7 @@ fn candidate(id: &str, fit_percent: f64) -> CandidateResult {
                 ..UncertaintyV1::default()
             }),
             notes: vec![],
-            evaluation: None,
+            ..CandidateV1::default()
         },
         simulation: Some(SimulationV1 {
             fit_percent: Some(fit_percent),

@@ -1,5 +1,6 @@
 //! The program: reads candidates and the motion of the test, simulates, writes responses and comparisons.
 
+mod band;
 mod drive;
 mod options;
 mod records;
@@ -11,9 +12,9 @@ use crate::{
     simulate_chain, simulate_driven,
 };
 use crumple_lumped::{LumpedError, Model, ModelKind};
-use crumple_lumped_fit::{FitQuantity, MeasuredTest, Observation, ObservedWave, WallForce, evaluate};
+use crumple_lumped_fit::{MeasuredTest, evaluate};
 use crumple_signal::{About, Acceleration, Displacement, Sampled, TestDescription, Velocity, Weight};
-use crumple_stage::records::{CandidateV1, EvaluationV1, EventsV1};
+use crumple_stage::records::{CandidateV1, EvaluationV1, EventsV1, RecommendationV1};
 use crumple_stage::{
     Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Usage, Wave, option, total_mass_remark,
 };
@@ -106,8 +107,9 @@ impl Stage for Simulate {
         let comparison = ComparisonWithTest {
             displacement: &displacement,
             others: other_sensors(input, &test, channel)?,
-            measured: as_measured(&measured, window, wall_force(input, &events)?),
+            measured: as_measured(&measured, window, input, &events)?,
             impact_speed_m_per_s,
+            recommended: input.record_if::<RecommendationV1>("/recommendation")?.and_then(|choice| choice.recommended),
         };
         let mut simulated = 0;
         for (candidate, result) in candidates.iter().zip(results) {
@@ -212,20 +214,21 @@ fn write_stated(stated: &ChainSettings, test: &TestDescription, out: &mut Output
     Ok(Candidate { id, record, model: Ok(Model::Chain(chain)), evaluation: None })
 }
 
-/// The test as candidates are evaluated by it, over the window that simulations are compared in.
-fn as_measured(test: &Measured<'_>, window: Window, wall: Option<WallForce>) -> Option<MeasuredTest> {
-    let what = (None, FitQuantity::Displacement);
+/// The test as candidates are evaluated by it, over the window that simulations are compared in. `None`: too few
+/// samples.
+fn as_measured(
+    test: &Measured<'_>,
+    window: Window,
+    input: &Inputs,
+    events: &EventsV1,
+) -> anyhow::Result<Option<MeasuredTest>> {
+    let recorded = |wave, measurement| crumple_lumped_fit::Measured { wave, measurement };
+    let displacement = recorded(test.displacement, test.measurement);
     let window_s = (0.0, window.end_s(test));
-    let wave = ObservedWave::new(test.displacement, what, test.measurement, window_s, usize::MAX).ok()?;
-    let displacement = Observation { impact_speed_m_per_s: test.impact_speed_m_per_s, waves: vec![wave] };
-    Some(MeasuredTest { wall, ..MeasuredTest::of_displacement(displacement) })
-}
-
-/// The force on the wall from contact to separation; without separation to the end of the record.
-fn wall_force(input: &Inputs, events: &EventsV1) -> anyhow::Result<Option<WallForce>> {
-    let Some((force, measurement)) = input.wall_force()? else { return Ok(None) };
-    let to_s = events.end_of_contact_s(force.end_s());
-    Ok(WallForce::new(&force, measurement, to_s).ok())
+    let measured = MeasuredTest::new(&events.channel, test.impact_speed_m_per_s, window_s, displacement);
+    let force = input.wall_force()?;
+    let force = force.as_ref().map(|(wave, steps)| recorded(wave, *steps));
+    Ok(measured.ok().map(|measured| measured.with_wall(force, |end_s| events.end_of_contact_s(end_s))))
 }
 
 /// What every simulation of a test is compared with.
@@ -235,6 +238,8 @@ struct ComparisonWithTest<'a> {
     /// What candidates that carry no evaluation are evaluated by; `None`: too few samples.
     measured: Option<MeasuredTest>,
     impact_speed_m_per_s: f64,
+    /// Id of the recommended candidate.
+    recommended: Option<String>,
 }
 
 impl ComparisonWithTest<'_> {
@@ -264,8 +269,13 @@ impl ComparisonWithTest<'_> {
             self.others.iter().filter_map(|sensor| beside(&simulation, sensor, dt_s)).map(sensor_record).collect();
         let as_measured =
             if drive.is_none() { self.as_measured(candidate, &simulation) } else { AsMeasured::default() };
-        let beside_test =
-            BesideTest { other_sensors: sensors, as_measured, impact_speed_m_per_s: self.impact_speed_m_per_s, drive };
+        let beside_test = BesideTest {
+            other_sensors: sensors,
+            as_measured,
+            impact_speed_m_per_s: self.impact_speed_m_per_s,
+            drive,
+            recommended: self.recommended.as_ref() == Some(id),
+        };
         write_simulation(id, record, simulation, beside_test, self.displacement, out)?;
         Ok(1)
     }

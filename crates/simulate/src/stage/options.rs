@@ -185,7 +185,7 @@ impl ChainSettings {
                 format!("masses from the barrier on: {}", names.join(", ")),
                 "given in the pipeline, not fitted to this record".to_owned(),
             ],
-            evaluation: None,
+            ..CandidateV1::default()
         }
     }
 }

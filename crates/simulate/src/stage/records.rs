@@ -1,9 +1,10 @@
 //! Simulations as they stand in the artifact, beside other sensors.
 
-use crate::{OtherSensor, Rating, SensorFit, Simulation, deceleration_peak, is_on_engine};
+use crate::stage::band::motion_band;
+use crate::{OtherSensor, Rating, Residual, SensorFit, Simulation, deceleration_peak, is_on_engine};
 use crumple_lumped::{CrushEvents, Dynamics, Motion};
 use crumple_signal::{Displacement, Notes, QuantityKind, Sampled, TestDescription};
-use crumple_stage::records::{CandidateV1, EnergyV1, OtherSensorV1, RatingV1, SimulationV1};
+use crumple_stage::records::{CandidateV1, EnergyV1, OtherSensorV1, RatingV1, ResidualV1, SimulationV1};
 use crumple_stage::{Inputs, Output, RefuseExt};
 
 /// What a simulation is compared with beside the motion of the pulse.
@@ -14,6 +15,8 @@ pub struct BesideTest {
     pub impact_speed_m_per_s: f64,
     /// What moves the model where it is not the impact alone, in words.
     pub drive: Option<String>,
+    /// Whether it is the recommended candidate, whose motion gets its band.
+    pub recommended: bool,
 }
 
 /// Figures of a model that was measured as the record was, percent; none under a drive.
@@ -34,10 +37,12 @@ pub fn write_simulation(
     grid: &Sampled,
     out: &mut Output,
 ) -> anyhow::Result<()> {
-    let BesideTest { other_sensors, as_measured, impact_speed_m_per_s, drive } = beside;
+    let BesideTest { other_sensors, as_measured, impact_speed_m_per_s, drive, recommended } = beside;
     let Simulation { motion, mut events, comparison, compartment, dynamics, .. } = simulation;
     let notes = notes_on(candidate, &mut events, dynamics.as_ref(), grid);
     let rebound = events.rebound_velocity_m_per_s.filter(|_| drive.is_none());
+    let has_band = recommended && drive.is_none();
+    let band = has_band.then(|| motion_band(candidate, impact_speed_m_per_s, comparison.to_s)).flatten();
     let record = SimulationV1 {
         dynamic_crush_m: events.dynamic_crush_m,
         time_of_dynamic_crush_s: events.time_of_dynamic_crush_s,
@@ -67,6 +72,8 @@ pub fn write_simulation(
         coefficient_of_restitution: rebound.map(|v| -v / impact_speed_m_per_s),
         rebound_velocity_m_per_s: rebound,
         peak_acceleration_m_per_s2: deceleration_peak(&motion.acceleration_m_per_s2, grid.dt_s()),
+        residual: comparison.residual.map(residual_record),
+        band,
     };
     if !out.put_candidate(&format!("/simulation/{id}"), id, &record)? {
         return Ok(());
@@ -126,6 +133,18 @@ pub fn sensor_record(fit: SensorFit) -> OtherSensorV1 {
         mass: fit.mass as u32,
         rmse_displacement_m: fit.rmse_m,
         fit_percent: fit.fit_percent,
+    }
+}
+
+fn residual_record(residual: Residual) -> ResidualV1 {
+    ResidualV1 {
+        rms_m_per_s2: residual.rms_m_per_s2,
+        share_of_test: residual.share_of_test,
+        samples: residual.samples as u64,
+        lag_s: residual.lag_s,
+        autocorrelation: residual.autocorrelation,
+        limit: residual.limit,
+        share_outside: residual.share_outside,
     }
 }
 

@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::MatchingSweepV1;
+
 /// One set of physical parameters. Topic `/parameters/<model>/<method>/<index>`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CandidateV1 {
@@ -28,6 +30,19 @@ pub struct CandidateV1 {
     /// The candidate beside the test; `null`: nobody has compared it yet, or it is of several tests.
     #[serde(default)]
     pub evaluation: Option<EvaluationV1>,
+    /// Of a fitted double model the sets with its poles over the division of its mass; `null` of any other, and where
+    /// the fit stopped on a bound, whose poles are not the record's.
+    #[serde(default)]
+    pub mass_divisions: Option<MassDivisionsV1>,
+}
+
+/// Real parameter sets of the double model with the poles of a fitted one, over the division of its total mass.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MassDivisionsV1 {
+    /// Bound of m2/m1 above which no set is physical; `null`: no division has one.
+    pub largest_mass_ratio: Option<f64>,
+    /// The sets.
+    pub sweep: Vec<MatchingSweepV1>,
 }
 
 /// A candidate beside the test, measured as the record was, over one window.

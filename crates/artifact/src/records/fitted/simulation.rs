@@ -76,6 +76,45 @@ pub struct SimulationV1 {
     /// the record is too coarse for that class.
     #[serde(default)]
     pub peak_acceleration_m_per_s2: Option<f64>,
+    /// What the model leaves of the measured acceleration; `null` without a measured one, or where nothing is left.
+    #[serde(default)]
+    pub residual: Option<ResidualV1>,
+    /// How far the motion of the recommended candidate moves with its parameters; `null` of any other, under a drive,
+    /// and where the record leaves a parameter open.
+    #[serde(default)]
+    pub band: Option<MotionBandV1>,
+}
+
+/// Acceleration of the test less that of a model over the compared window. The model's is that of its motion, the
+/// test's went through the filter: what the filter takes from the model is part of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ResidualV1 {
+    /// Root mean square, m/s².
+    pub rms_m_per_s2: f64,
+    /// That over the root mean square of the test.
+    pub share_of_test: f64,
+    /// Samples compared.
+    pub samples: u64,
+    /// Distance of the lags, s.
+    pub lag_s: f64,
+    /// Autocorrelation at the lags 0, 1, ... up to a quarter of the window, at most 301 of them.
+    pub autocorrelation: Vec<f64>,
+    /// 95 % limits of the autocorrelation of white noise of so many samples: `1.96/sqrt(N)` to either side of zero.
+    pub limit: f64,
+    /// Share of the lags from 1 on that lie outside the limits; of white noise one in twenty does.
+    pub share_outside: f64,
+}
+
+/// Half-widths of the 95 % band about the motion of a model's compartment, from contact to the end of the compared
+/// window.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MotionBandV1 {
+    /// Distance of the instants, s.
+    pub dt_s: f64,
+    /// Of the displacement, m.
+    pub displacement_m: Vec<f64>,
+    /// Of the velocity, m/s.
+    pub velocity_m_per_s: Vec<f64>,
 }
 
 /// One rating of a curve of the model against the test's.

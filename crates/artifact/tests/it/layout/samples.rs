@@ -42,6 +42,17 @@ pub fn candidate() -> CandidateV1 {
         }),
         notes: vec!["undamped".into()],
         evaluation: Some(evaluation()),
+        mass_divisions: Some(MassDivisionsV1 {
+            largest_mass_ratio: Some(4.5),
+            sweep: vec![MatchingSweepV1 {
+                front_mass_fraction: 0.25,
+                k1_n_per_m: 9e5,
+                k2_n_per_m: 1e6,
+                c1_n_s_per_m: 6e3,
+                c2_n_s_per_m: 9e3,
+                physical: true,
+            }],
+        }),
     }
 }
 

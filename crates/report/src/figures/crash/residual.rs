@@ -2,7 +2,7 @@
 
 use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crate::drawing::{Axis, Colour, Dash, Figure, Look, over_time};
-use crate::findings::{CandidateResult, Ranking, Run, model_band::model_band};
+use crate::findings::{CandidateResult, Ranking, Run};
 use crate::phrases::PHRASES;
 use crumple_signal::Sampled;
 
@@ -24,22 +24,19 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let entries = models.entries(&mut figure);
     let window = window_ms(run);
     let best = ranking.best.as_deref().and_then(|id| run.candidate(id));
-    let band = best.and_then(|best| model_band(run, best));
+    let band = best.and_then(|best| best.simulation.as_ref()?.band.as_ref());
     let moved = band.is_some().then(|| figure.entry(texts.residual_band, Look::area(Colour::Test), true));
     type Of = fn(&CandidateResult) -> Option<&Sampled>;
     let displacement: (_, &str, f64, Of) =
         (&run.measured.displacement, texts.residual_displacement, MILLI, |c| c.displacement.as_ref());
     let velocity: (_, &str, f64, Of) =
         (&run.measured.velocity, texts.residual_velocity, KM_PER_H_PER_M_PER_S, |c| c.velocity.as_ref());
-    let bands = [band.as_ref().map(|b| &b.displacement_m), band.as_ref().map(|b| &b.velocity_m_per_s)];
+    let bands = [band.map(|b| (b.dt_s, &b.displacement_m)), band.map(|b| (b.dt_s, &b.velocity_m_per_s))];
     for ((test, title, factor, of), band) in [displacement, velocity].into_iter().zip(bands) {
         let mut panel = over_time_axis(view_ms(run), Axis::new(title));
-        if let Some((entry, band)) = moved.zip(band) {
-            let edge = |k: usize| {
-                let half = factor * band.samples()[k];
-                [MILLI * band.time_s(k), -half, half]
-            };
-            panel.band(entry, &(0..band.len()).map(edge).collect::<Vec<_>>());
+        if let Some((entry, (dt_s, half_widths))) = moved.zip(band) {
+            let edge = |(k, half): (usize, &f64)| [MILLI * k as f64 * dt_s, -factor * half, factor * half];
+            panel.band(entry, &half_widths.iter().enumerate().map(edge).collect::<Vec<_>>());
         }
         let mut largest = 0.0_f64;
         for ((candidate, _), entry) in models.models.iter().zip(&entries).take(DRAWN) {
@@ -52,7 +49,8 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
             panel.line(*entry, over_time(&left, factor));
         }
         // By what lies inside the compared window: what a model does after it would flatten the rest.
-        let band = band.map_or(0.0, |band| factor * largest_within(band, None)).min(BAND * largest);
+        let widest = band.map_or(0.0, |(_, half_widths)| half_widths.iter().copied().fold(0.0, f64::max));
+        let band = (factor * widest).min(BAND * largest);
         let half = 1.15 * largest.max(band);
         panel.y.view = (half > 0.0).then_some([-half, half]);
         panel.windows.extend(window);

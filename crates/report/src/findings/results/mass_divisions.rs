@@ -1,16 +1,10 @@
-//! Parameter sets of the double model over the division of one total mass: as parameter-solve swept them, or with the
-//! poles of a fitted model.
-
-use std::borrow::Cow;
+//! Parameter sets of the double model over the division of one total mass, as parameter-solve swept them: with the
+//! poles of an identified model, or of a fitted one.
 
 use crumple_artifact::records::{MatchingSweepV1, MatchingV1};
-use crumple_lumped::{CoefficientMatching, Model, ModelKind, Reading};
 
 use crate::findings::text::candidate_name;
-use crate::findings::{CandidateResult, Ranking, Run};
-
-/// Front shares looked at for a fitted model, 2 % apart as in the sweep of parameter-solve.
-const FRONT_SHARES: usize = 49;
+use crate::findings::{Ranking, Run};
 
 /// Real parameter sets over the division of the mass.
 pub struct Divisions<'a> {
@@ -25,7 +19,7 @@ pub struct Divisions<'a> {
     /// Bound of m2/m1 above which no set is physical; `None`: no division has one.
     pub largest_mass_ratio: Option<f64>,
     /// The sets.
-    pub sweep: Cow<'a, [MatchingSweepV1]>,
+    pub sweep: &'a [MatchingSweepV1],
 }
 
 impl<'a> Divisions<'a> {
@@ -50,42 +44,22 @@ impl<'a> Divisions<'a> {
             m1_kg: matching.m1_kg,
             m2_kg: matching.m2_kg,
             largest_mass_ratio: matching.largest_mass_ratio,
-            sweep: Cow::Borrowed(&matching.sweep),
+            sweep: &matching.sweep,
         })
     }
 
-    /// Of a model with a parameter on a bound of the search the poles are the bound's, not the record's: none.
-    fn fitted(run: &Run, ranking: &Ranking) -> Option<Self> {
-        let double = |candidate: &&CandidateResult| {
-            let at_a_bound = |name: &String| candidate.record.parameters.get(name).is_none_or(|value| *value != 0.0);
-            let inside = candidate.record.fit.as_ref().is_some_and(|fit| !fit.active_bounds.iter().any(at_a_bound));
-            candidate.record.model == ModelKind::DoubleSpringMassDamper.name() && inside
-        };
-        let best = ranking.order.iter().filter_map(|id| run.candidate(id)).find(double)?;
-        let model = Model::from_parameters(ModelKind::DoubleSpringMassDamper, &best.record.parameters).ok()?;
-        let Model::DoubleSpringMassDamper(model) = model else { return None };
-        let [_, t, u, v, w] = model.characteristic_polynomial();
-        let matching = CoefficientMatching::new([t, u, v, w], model.m1_kg, model.m2_kg, Reading::Binary).ok()?;
-        let shares: Vec<f64> = (1..=FRONT_SHARES).map(|k| k as f64 / (FRONT_SHARES + 1) as f64).collect();
-        let matches = matching.mass_split_sweep(&shares).ok()?;
-        let of_share = |(share, matched): (&f64, &crumple_lumped::CoefficientMatch)| {
-            let point = |s: &crumple_lumped::MatchedSolution| MatchingSweepV1 {
-                front_mass_fraction: *share,
-                k1_n_per_m: s.k1_n_per_m.re,
-                k2_n_per_m: s.k2_n_per_m.re,
-                c1_n_s_per_m: s.c1_n_s_per_m.re,
-                c2_n_s_per_m: s.c2_n_s_per_m.re,
-                physical: s.physical,
-            };
-            matched.solutions.iter().filter(|s| s.real).map(point).collect::<Vec<_>>()
-        };
+    fn fitted(run: &'a Run, ranking: &Ranking) -> Option<Self> {
+        let candidates = ranking.order.iter().filter_map(|id| run.candidate(id));
+        let (best, divisions) =
+            candidates.filter_map(|candidate| Some((candidate, candidate.record.mass_divisions.as_ref()?))).next()?;
+        let mass_kg = |name: &str| best.record.parameters.get(name).copied();
         Some(Self {
             source: candidate_name(&best.id),
             fitted: true,
-            m1_kg: model.m1_kg,
-            m2_kg: model.m2_kg,
-            largest_mass_ratio: matching.largest_mass_ratio(),
-            sweep: shares.iter().zip(&matches).flat_map(of_share).collect(),
+            m1_kg: mass_kg("m1_kg")?,
+            m2_kg: mass_kg("m2_kg")?,
+            largest_mass_ratio: divisions.largest_mass_ratio,
+            sweep: &divisions.sweep,
         })
     }
 
@@ -128,8 +102,10 @@ pub fn ratio(point: &MatchingSweepV1) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use crumple_artifact::records::{CandidateV1, MassDivisionsV1};
+
     use super::*;
-    use crumple_artifact::records::CandidateV1;
+    use crate::findings::CandidateResult;
 
     fn matching(largest_mass_ratio: Option<f64>, physical: &[bool]) -> MatchingV1 {
         let at = |k: usize| (k + 1) as f64 / (physical.len() + 1) as f64;
@@ -173,39 +149,27 @@ mod tests {
         assert_eq!(feasible(&run_of(matching(None, &[false; 3]))), []);
     }
 
-    fn fitted_run(active_bounds: &str) -> (Run, Ranking) {
-        let record: CandidateV1 = serde_json::from_str(&format!(
-            r#"{{"model": "double-spring-mass-damper", "method": "direct-fit", "physical": true, "equivalent_to": null,
-                "notes": [],
-                "parameters": {{"m1_kg": 375, "m2_kg": 1125, "k1_n_per_m": 9e5, "k2_n_per_m": 1e6, "c1_n_s_per_m": 6e3,
-                "c2_n_s_per_m": 9e3}},
-                "fit": {{"channel": "a", "quantity": "displacement", "from_s": 0, "to_s": 0.07, "samples": 9, "rmse": 0,
-                "iterations": 1,
-                    "evaluations": 1, "stop_reason": "cost-converged", "active_bounds": [{active_bounds}]}},
-                    "uncertainty": null}}"#
-        ))
-        .unwrap();
-        let id = "double-spring-mass-damper/direct-fit/1".to_owned();
-        let ranking = Ranking { order: vec![id.clone()], ..Ranking::default() };
-        let candidate = CandidateResult { id, record, ..CandidateResult::default() };
-        (Run { candidates: vec![candidate], ..Run::default() }, ranking)
-    }
-
     #[test]
-    fn a_fitted_double_model_is_among_the_divisions_with_its_poles() {
-        let (run, ranking) = fitted_run("");
+    fn a_fitted_model_shows_its_divisions_where_none_was_matched() {
+        let Some(swept) = run_of(matching(Some(2.0), &[false, true, true])).matchings.pop() else { unreachable!() };
+        let divisions = MassDivisionsV1 { largest_mass_ratio: Some(2.0), sweep: swept.1.sweep };
+        let candidate = |id: &str, mass_divisions| CandidateResult {
+            id: id.to_owned(),
+            record: CandidateV1 {
+                parameters: [("m1_kg", 375.0), ("m2_kg", 1125.0)].map(|(name, kg)| (name.to_owned(), kg)).into(),
+                mass_divisions,
+                ..CandidateV1::default()
+            },
+            ..CandidateResult::default()
+        };
+        let candidates =
+            vec![candidate("kelvin/direct-fit/1", None), candidate("double/direct-fit/1", Some(divisions))];
+        let ranking =
+            Ranking { order: candidates.iter().map(|candidate| candidate.id.clone()).collect(), ..Ranking::default() };
+        let run = Run { candidates, ..Run::default() };
         let divisions = Divisions::of_run(&run, &ranking).unwrap();
-        assert!(divisions.fitted);
-        // The share fitted with, 0.25, lies between two of the sweep, so the set itself is not in it; its neighbours
-        // are physical.
-        let ratio_used = divisions.m2_kg / divisions.m1_kg;
-        assert!(divisions.feasible_ranges().iter().any(|(low, high)| (*low..=*high).contains(&ratio_used)));
-        assert!(divisions.largest_mass_ratio.unwrap() > ratio_used);
-    }
-
-    #[test]
-    fn a_fit_that_ends_on_a_bound_has_no_divisions() {
-        let (run, ranking) = fitted_run(r#""k2_n_per_m""#);
-        assert!(Divisions::of_run(&run, &ranking).is_none());
+        assert!(divisions.fitted && divisions.m2_kg / divisions.m1_kg == 3.0);
+        assert_eq!(divisions.feasible_ranges().len(), 1);
+        assert!(Divisions::of_run(&run, &Ranking::default()).is_none());
     }
 }

@@ -2,8 +2,6 @@
 
 pub mod joint;
 pub mod mass_divisions;
-pub mod model_band;
 pub mod model_output;
 pub mod ranking;
-pub mod residual;
 pub mod run;

@@ -47,7 +47,7 @@ impl Sketch {
                 sensors: vec![],
             }),
             notes: vec!["the test mass is taken for the mass that moves".to_owned()],
-            evaluation: None,
+            ..CandidateV1::default()
         }
     }
 }
