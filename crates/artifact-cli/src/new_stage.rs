@@ -147,11 +147,12 @@ pub(crate) fn new_stage(stage: &str, language: Language, folder: Option<PathBuf>
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
     let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
-    let (shown, tools) = (folder.display(), language.tools());
-    say(format_args!("{shown}: {}", names.join(", ")));
-    say(format_args!("test it  sh {shown}/test.sh RECORD"));
-    let program = format!("{} {shown}/stage.{}", tools.command, tools.ending);
-    say(format_args!("use it   crumple run RECORD --stage {stage}=\"{program}\""));
+    let tools = language.tools();
+    say(format_args!("{}: {}", folder.display(), names.join(", ")));
+    let file = |name: &str| shell_words::quote(&folder.join(name).display().to_string()).into_owned();
+    say(format_args!("test it  sh {} RECORD", file("test.sh")));
+    let program = format!("{} {}", tools.command, file(&format!("stage.{}", tools.ending)));
+    say(format_args!("use it   crumple run RECORD --stage {stage}={}", shell_words::quote(&program)));
     Ok(ExitStatus::Done)
 }
 

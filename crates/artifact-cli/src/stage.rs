@@ -15,10 +15,11 @@ use crumple_artifact::{
     Artifact, ArtifactBuilder, Compression, OutputKind, SCHEMAS, Wave, refuse_named_pipe, write_atomically,
 };
 use crumple_signal::value::Length;
-use crumple_stage::joints::{Contradiction, contradictions, invariant, invariants};
+use crumple_stage::joints::{Contradiction, Invariant, contradictions, invariant, invariants};
 use crumple_stage::{
-    ExitStatus, Program, Refused, Usage, artifacts_of_a_run, columns, keep_budget, labelled, load_artifacts, nearest,
-    printable, program, refuse_to_overwrite, run_tool, say, to_stdout, unknown_name, wrapped,
+    ExitStatus, Program, Refused, Usage, artifacts_of_a_run, chain, columns, keep_budget, labelled, load_artifacts,
+    nearest, printable, program, refuse_a_mixture, refuse_to_overwrite, run_tool, say, to_stdout, unknown_name,
+    wrapped,
 };
 
 /// Shows and checks artifacts (the *.mcap files of a run), unpacks them into plain files and packs plain files into an
@@ -81,8 +82,9 @@ enum Command {
     /// Prints what the code behind a warning or an error means, such as CR203: what was found, how it is decided, what
     /// it means, what to do.
     Explain {
-        /// Code, and before it the folder of a run for what was found there: `crumple explain RUN CR203`.
-        #[arg(required = true, num_args = 1..=2, value_name = "[RUN] CODE")]
+        /// Code, and before it the folder of a run for what was found there: `crumple explain RUN CR203`. A run alone:
+        /// all that it holds.
+        #[arg(required = true, num_args = 1..=2, value_name = "[RUN] [CODE]")]
         words: Vec<PathBuf>,
     },
     /// Writes an artifact as plain files: records.ndjson, waves.ndjson with a file of samples each (little-endian f64,
@@ -139,10 +141,7 @@ fn run(args: Args) -> anyhow::Result<ExitStatus> {
         Command::Notes { paths } => notes(&paths),
         Command::Curve { file, candidate, format, to } => curve(&file, candidate.as_deref(), format, to),
         Command::Check { files } => check_files(&files),
-        Command::Explain { words } => {
-            let (code, run) = words.split_last().context("a code is asked for")?;
-            explain(&code.to_string_lossy(), run.first().map(PathBuf::as_path))
-        }
+        Command::Explain { words } => explain(&words),
         Command::Unpack { file, folder, text, force, quiet } => {
             let form = if text { SampleForm::Text } else { SampleForm::Bytes };
             unpack(&file, &folder, form, force, quiet)
@@ -267,6 +266,15 @@ fn check_files(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
                 say(format_args!("error: {fault}"));
             }
         }
+        let is_folder = path.is_dir();
+        for fault in artifacts.iter().filter(|_| is_folder).filter_map(|artifact| missing_input(artifact, &artifacts)) {
+            status = ExitStatus::Refused;
+            say(format_args!("error: {fault}"));
+        }
+        if let Err(mixture) = refuse_a_mixture(&artifacts, |artifact| artifact.path().display().to_string()) {
+            status = ExitStatus::Refused;
+            say(format_args!("error: {mixture}"));
+        }
         for found in contradictions(&artifacts) {
             if found.ends_the_run {
                 status = ExitStatus::Refused;
@@ -277,26 +285,56 @@ fn check_files(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
     Ok(status)
 }
 
-/// Prints what a code means: found, decided how, what it means, what to do; with a run what it found there.
-fn explain(code: &str, run: Option<&Path>) -> anyhow::Result<ExitStatus> {
-    let Some(row) = invariant(code) else {
-        let codes: Vec<&str> = invariants().map(|row| row.code).collect();
-        return Err(unknown_name(&format!("no remark has the code {code:?}"), code, &codes));
+/// What an artifact of a run folder was made from and is not there. A stage that reads several runs has its inputs
+/// elsewhere.
+fn missing_input(artifact: &Artifact, all: &[Artifact]) -> Option<String> {
+    let inputs = &artifact.provenance()?.inputs;
+    let is_alone = |kind: &str| inputs.iter().filter(|input| input.kind == kind).count() == 1;
+    let is_there = |kind: &str| all.iter().any(|other| other.stage() == Some(kind));
+    let stages = chain().filter(|stage| is_alone(stage.name) && !is_there(stage.name));
+    let missing = stages.filter_map(|stage| stage.outputs.first().copied()).next()?;
+    Some(format!("{} was made from {missing}, which is not in the folder", artifact.path().display()))
+}
+
+/// Prints what a code means: found, decided how, what it means, what to do; with a run what it found there. A run alone
+/// prints all that it holds.
+fn explain(words: &[PathBuf]) -> anyhow::Result<ExitStatus> {
+    let (code, run) = match words {
+        [only] if only.is_dir() => (None, Some(only)),
+        [only] => (Some(only), None),
+        [run, code, ..] => (Some(code), Some(run)),
+        [] => (None, None),
     };
-    let mut paragraphs = vec![format!("{}: {}", row.code, row.explanation[0])];
+    let code = code.map(|code| code.to_string_lossy());
+    let is_asked = |found: &Contradiction| code.as_deref().is_none_or(|code| found.code.eq_ignore_ascii_case(code));
+    let mut here = Vec::new();
     if let Some(run) = run {
         let artifacts = artifacts_of_a_run(run)?.iter().map(|path| open(path)).collect::<Result<Vec<_>, _>>()?;
-        let here: Vec<_> = contradictions(&artifacts).into_iter().filter(|found| found.code == row.code).collect();
-        let told = |found: &Contradiction| format!("Here: {} ({}).", found.text, found.stage);
-        paragraphs.extend(here.iter().map(told));
-        if here.is_empty() {
+        here = contradictions(&artifacts).into_iter().filter(is_asked).collect();
+    }
+    let rows: Vec<&Invariant> = match &code {
+        Some(code) => vec![invariant(code).ok_or_else(|| {
+            let codes: Vec<&str> = invariants().map(|row| row.code).collect();
+            unknown_name(&format!("no remark has the code {code:?}"), code, &codes)
+        })?],
+        None => invariants().filter(|row| here.iter().any(|found| found.code == row.code)).collect(),
+    };
+    let mut paragraphs = Vec::new();
+    for row in rows {
+        let [found, decided, means, remedy] = row.explanation;
+        paragraphs.push(format!("{}: {found}", row.code));
+        let of_row = here.iter().filter(|found| found.code == row.code);
+        paragraphs.extend(of_row.map(|found| format!("Here: {} ({}).", found.text, found.stage)));
+        if let Some(run) = run.filter(|_| here.is_empty()) {
             paragraphs.push(format!("Here: nothing of that in {}.", run.display()));
         }
+        paragraphs.push(format!("How it is decided. {decided}"));
+        paragraphs.push(format!("What it means. {means}"));
+        paragraphs.push(format!("What to do: {remedy}."));
     }
-    let [_, decided, means, remedy] = row.explanation;
-    paragraphs.push(format!("How it is decided. {decided}"));
-    paragraphs.push(format!("What it means. {means}"));
-    paragraphs.push(format!("What to do: {remedy}."));
+    if let Some(run) = run.filter(|_| paragraphs.is_empty()) {
+        paragraphs.push(format!("No two statements of {} contradict each other.", run.display()));
+    }
     let lines: Vec<String> = paragraphs.iter().map(|text| wrapped(text, columns()).join("\n") + "\n").collect();
     to_stdout(printable(&lines.join("\n")).as_bytes())?;
     Ok(ExitStatus::Done)

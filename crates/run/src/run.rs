@@ -19,7 +19,7 @@ use crate::messages::{
 };
 use crate::names::{PIPELINE_OF_A_RUN, place_of_record};
 use crate::program::{is_one_program, own_command, own_program};
-use crate::steps::{StageExit, arguments, contradicts, install_outputs, run_program, start};
+use crate::steps::{StageExit, arguments, contradicts, install_outputs, run_program, say_who_wrote, start};
 use crate::together::joint_run::{INTEGRATED, SOLVED};
 use crate::words::Words;
 
@@ -88,6 +88,8 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
             StageExit::Failed(failure) => {
                 if !stage.program.is_own {
                     say_which_stage_failed(stage.name, &stage.program, failure);
+                } else if failure == ExitStatus::Refused {
+                    say_who_wrote(&stage.inputs, &stages);
                 }
                 run.suggest_stage_of_flag(number, failure);
                 return run.failed(failure, before_it);

@@ -10,7 +10,7 @@ use std::{env, panic, process};
 use anyhow::Context;
 use crumple_artifact::{Artifact, remove_in_order};
 use crumple_stage::joints::{Contradiction, contradictions};
-use crumple_stage::{Call, ExitStatus, IN_RUN, Way, chain, program, say};
+use crumple_stage::{Call, ExitStatus, IN_RUN, Way, chain, program, refuse_a_mixture, say};
 
 use crate::command::{RECORD, Stage};
 use crate::folder::content::{Content, content_of, is_artifact};
@@ -193,6 +193,12 @@ pub(crate) fn contradicts(stage: &Stage, new: &Path, folder: &Path) -> bool {
     let artifacts: Vec<Artifact> = files.filter_map(|file| Artifact::open(&file).ok()).collect();
     let found = contradictions(&artifacts).into_iter().filter(|found| found.ends_the_run && found.stage == stage.name);
     let found: Vec<Contradiction> = found.collect();
+    let name = |artifact: &Artifact| artifact.path().file_name().unwrap_or_default().display().to_string();
+    let mixture = refuse_a_mixture(&artifacts, name).err();
+    if let Some(mixture) = &mixture {
+        say(format_args!("error: {mixture}"));
+        say(format_args!("  written by: {}", stage.program.typed));
+    }
     for contradiction in &found {
         say(format_args!("error: {}: {} [{}]", stage.output(), contradiction.text, contradiction.code));
         say(format_args!("  written by: {}", stage.program.typed));
@@ -202,7 +208,14 @@ pub(crate) fn contradicts(stage: &Stage, new: &Path, folder: &Path) -> bool {
             program(&format!("artifact explain {}", contradiction.code))
         ));
     }
-    !found.is_empty()
+    !found.is_empty() || mixture.is_some()
+}
+
+/// Says which of the inputs that a stage of the project refused are by programs from elsewhere.
+pub(crate) fn say_who_wrote(inputs: &[&str], stages: &[Stage]) {
+    for stage in stages.iter().filter(|stage| !stage.program.is_own && inputs.contains(&stage.output())) {
+        say(format_args!("note: {} was written by: {}", stage.output(), stage.program.typed));
+    }
 }
 
 // Taking over what a program from elsewhere wrote.

@@ -58,7 +58,6 @@ pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
     let found = contradictions(inputs.artifacts());
     run.remarks = found.iter().map(Contradiction::remark).collect();
     run.concerns = concerns(inputs)?;
-    run.concerns.extend(found.iter().map(Contradiction::concern));
     let qualities = inputs.records::<QualityV1>("/quality/")?;
     run.clipped = qualities.into_iter().filter(|(_, q)| q.may_be_clipped()).map(|(id, _)| id).collect();
     let without_parameters = simulations.keys().filter(|id| run.candidate(id).is_none()).count();

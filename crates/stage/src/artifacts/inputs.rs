@@ -89,9 +89,9 @@ pub fn load_artifacts(paths: &[PathBuf]) -> anyhow::Result<Loaded<Inputs>> {
     let diagnoses = artifacts.iter().filter_map(|a| a.record::<DiagnosisV1>("/diagnosis").ok().flatten()).collect();
     let concerns = artifacts.iter().filter_map(|a| a.record::<ConcernsV2>("/concerns").ok().flatten());
     let concerns = concerns.flat_map(|record| record.concerns).collect();
+    refuse_a_mixture(&artifacts, |artifact| artifact.path().display().to_string())?;
+    refuse_contradictions(&artifacts)?;
     let inputs = Inputs { artifacts };
-    inputs.refuse_a_mixture()?;
-    refuse_contradictions(&inputs.artifacts)?;
     let test = inputs.record_if::<TestV1>("/test")?.map(Box::new);
     Ok(Loaded { input: inputs, digests, diagnosed: Diagnosed { diagnoses, concerns, test } })
 }
@@ -136,50 +136,50 @@ fn was_made_from_another(artifact: &Artifact, earlier: &Artifact) -> bool {
     of_stage.peek().is_some() && of_stage.all(|input| !input.digest.is_empty() && input.digest != earlier.digest())
 }
 
+/// Errors: two results of one stage, results of two tests, or results that were not made from each other.
+/// `name` says which artifact is meant.
+pub fn refuse_a_mixture(artifacts: &[Artifact], name: impl Fn(&Artifact) -> String) -> anyhow::Result<()> {
+    let tests = artifacts.iter().map(test_in).collect::<anyhow::Result<Vec<_>>>()?;
+    let source = |test: &TestV1| Some(test.source.digest.clone()).filter(|digest| !digest.is_empty());
+    for (k, a) in artifacts.iter().enumerate() {
+        for (b, of_b) in artifacts.iter().zip(&tests).skip(k + 1) {
+            if let (Some(stage), Some(other)) = (a.stage(), b.stage())
+                && stage == other
+            {
+                return Err(Refused::new(format!("{} and {} are both of the stage {stage}", name(a), name(b)))
+                    .expected("one artifact of each stage")
+                    .hint("leave one of them out")
+                    .into());
+            }
+            let mixed = |found: String, expected: &str| {
+                Err(Refused::new(found).expected(expected).hint("give artifacts of one run folder").into())
+            };
+            if let (Some(of_a), Some(of_b)) = (&tests[k], of_b)
+                && let (Some(record_of_a), Some(record_of_b)) = (source(of_a), source(of_b))
+            {
+                if record_of_a != record_of_b {
+                    let found = format!("{} and {} are of different records", name(a), name(b));
+                    return mixed(found, "artifacts that go back to one record");
+                }
+                if let Some(difference) = difference((a, of_a), (b, of_b)) {
+                    let found = format!("{} and {} describe different tests: {difference}", name(a), name(b));
+                    return mixed(found, "artifacts of one run, whose test is one");
+                }
+            }
+            if was_made_from_another(b, a) {
+                let stage = a.stage().map_or_else(String::new, artifact_of);
+                let found = format!("{} was made from another {stage} than {}", name(b), name(a));
+                return mixed(found, "artifacts that were made from each other");
+            }
+        }
+    }
+    Ok(())
+}
+
 impl Inputs {
     /// The artifacts in the order of the pipeline.
     pub fn artifacts(&self) -> &[Artifact] {
         &self.artifacts
-    }
-
-    /// Two results of one stage, results of two tests, or results that were not made from each other, cannot be meant.
-    fn refuse_a_mixture(&self) -> anyhow::Result<()> {
-        let name = |artifact: &Artifact| artifact.path().display().to_string();
-        let tests = self.artifacts.iter().map(test_in).collect::<anyhow::Result<Vec<_>>>()?;
-        let source = |test: &TestV1| Some(test.source.digest.clone()).filter(|digest| !digest.is_empty());
-        for (k, a) in self.artifacts.iter().enumerate() {
-            for (b, of_b) in self.artifacts.iter().zip(&tests).skip(k + 1) {
-                if let (Some(stage), Some(other)) = (a.stage(), b.stage())
-                    && stage == other
-                {
-                    return Err(Refused::new(format!("{} and {} are both of the stage {stage}", name(a), name(b)))
-                        .expected("one artifact of each stage")
-                        .hint("leave one of them out")
-                        .into());
-                }
-                let mixed = |found: String, expected: &str| {
-                    Err(Refused::new(found).expected(expected).hint("give artifacts of one run folder").into())
-                };
-                if let (Some(of_a), Some(of_b)) = (&tests[k], of_b)
-                    && let (Some(record_of_a), Some(record_of_b)) = (source(of_a), source(of_b))
-                {
-                    if record_of_a != record_of_b {
-                        let found = format!("{} and {} are of different records", name(a), name(b));
-                        return mixed(found, "artifacts that go back to one record");
-                    }
-                    if let Some(difference) = difference((a, of_a), (b, of_b)) {
-                        let found = format!("{} and {} describe different tests: {difference}", name(a), name(b));
-                        return mixed(found, "artifacts of one run, whose test is one");
-                    }
-                }
-                if was_made_from_another(b, a) {
-                    let stage = a.stage().map_or_else(String::new, artifact_of);
-                    let found = format!("{} was made from another {stage} than {}", name(b), name(a));
-                    return mixed(found, "artifacts that were made from each other");
-                }
-            }
-        }
-        Ok(())
     }
 
     /// The record under a topic. Refuses when it is missing, and says which stage writes it.

@@ -37,12 +37,7 @@ pub(crate) struct Running {
 
 impl Running {
     pub(crate) fn of(curve: &Sampled) -> Self {
-        let mut sum = 0.0;
-        let steps = curve.samples().windows(2).map(|pair| {
-            sum += (pair[0] + pair[1]) / 2.0 * curve.dt_s();
-            sum
-        });
-        Self { t0_s: curve.t0_s(), dt_s: curve.dt_s(), sums: std::iter::once(0.0).chain(steps).collect() }
+        Self { t0_s: curve.t0_s(), dt_s: curve.dt_s(), sums: sums(curve.samples(), curve.dt_s()) }
     }
 
     /// The integral from `from_s` to `to_s`; `None` where the curve does not reach that far.
@@ -50,6 +45,16 @@ impl Running {
         let at = |time_s| between(self.t0_s, self.dt_s, &self.sums, time_s);
         Some(at(to_s)? - at(from_s)?)
     }
+}
+
+/// Integrals of samples from the first to each, by the trapezoidal rule.
+fn sums(samples: &[f64], dt_s: f64) -> Vec<f64> {
+    let mut sum = 0.0;
+    let steps = samples.windows(2).map(|pair| {
+        sum += (pair[0] + pair[1]) / 2.0 * dt_s;
+        sum
+    });
+    std::iter::once(0.0).chain(steps).collect()
 }
 
 /// Times on the grid of a curve from `from_s` to `to_s`, not more than are looked at.
@@ -101,6 +106,39 @@ fn level_of(curve: &Sampled) -> (f64, f64) {
     mean_and_deviation(&quiet)
 }
 
+/// The zero level of a curve that another made of it is without; 0 where it still has it, or none is seen.
+fn level_taken_out(curve: &Sampled, made: &Sampled) -> f64 {
+    let ((own, deviation), (of_made, _)) = (level_of(curve), level_of(made));
+    let is_removed = own.abs() > 3.0 * deviation && of_made.abs() < 0.5 * own.abs();
+    if is_removed { own } else { 0.0 }
+}
+
+/// The ways that two pulses move a vehicle, m, where they are farthest apart, and the largest of the first.
+pub(crate) struct Ways {
+    pub time_s: f64,
+    pub of_filtered_m: f64,
+    pub of_recorded_m: f64,
+    pub largest_m: f64,
+}
+
+/// The ways of a record and of what was made of it, from contact at this speed, m/s.
+pub(crate) fn ways(recorded: &Sampled, filtered: &Sampled, speed: f64) -> Option<Ways> {
+    let to_s = PULSE_S.min(end_of(recorded)).min(end_of(filtered));
+    let from_s = recorded.t0_s().max(filtered.t0_s()).max(0.0);
+    let way = |curve: &Sampled, level: f64| {
+        let velocity = Running::of(curve);
+        let moving = |t: f64| Some(speed + velocity.over(curve.t0_s(), t)? - level * (t - curve.t0_s()));
+        let samples: Option<Vec<f64>> = (0..curve.len()).map(|k| moving(curve.time_s(k))).collect();
+        Some(Running { t0_s: curve.t0_s(), dt_s: curve.dt_s(), sums: sums(&samples?, curve.dt_s()) })
+    };
+    let (of_recorded, of_filtered) = (way(recorded, level_taken_out(recorded, filtered))?, way(filtered, 0.0)?);
+    let at = |way: &Running, t| way.over(from_s, t);
+    let largest_m = times(recorded, from_s, to_s).filter_map(|t| at(&of_recorded, t)).fold(0.0, f64::max);
+    let (time_s, of_filtered_m, of_recorded_m) =
+        farthest(times(recorded, from_s, to_s), |t| at(&of_filtered, t), |t| at(&of_recorded, t))?;
+    Some(Ways { time_s, of_filtered_m, of_recorded_m, largest_m })
+}
+
 /// Fewest samples that show a zero level.
 const OF_A_LEVEL: usize = 8;
 
@@ -130,8 +168,6 @@ pub(crate) fn delay_s(curve: &Sampled, late: &Sampled) -> Option<f64> {
         return None;
     }
     // A zero level that was taken out is no delay.
-    let ((own, deviation), (of_late, _)) = (level_of(curve), level_of(late));
-    let is_removed = own.abs() > 3.0 * deviation && of_late.abs() < 0.5 * own.abs();
-    let level = if is_removed { own } else { 0.0 };
+    let level = level_taken_out(curve, late);
     Some((moment(curve, from_s, to_s, level) - moment(late, from_s, to_s, 0.0)) / (change - level * (to_s - from_s)))
 }

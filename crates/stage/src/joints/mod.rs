@@ -9,7 +9,7 @@ pub mod filtering;
 pub mod models;
 pub mod motion;
 
-use crumple_artifact::records::{ConcernV1, RemarkV1, SeverityV1, TestV1};
+use crumple_artifact::records::{RemarkV1, TestV1};
 use crumple_artifact::{Artifact, Record};
 use crumple_signal::{About, Sampled, Weight};
 
@@ -105,23 +105,17 @@ impl Contradiction {
         format!("{how}: {}: {} [{}]\n  hint: {}", self.file(artifacts), self.text, self.code, self.remedy)
     }
 
-    /// As a warning of a run: numbers may be off by more than their intervals say.
-    pub fn concern(&self) -> ConcernV1 {
-        ConcernV1 {
+    /// As a warning of a run, which a program reads by its code: numbers may be off by more than their intervals say.
+    pub fn remark(&self) -> RemarkV1 {
+        RemarkV1 {
+            code: self.code.to_owned(),
             stage: self.stage.to_owned(),
-            severity: SeverityV1::Warning,
             about: self.about.to_string(),
             weight: Weight::Marked.number(),
+            values: self.values.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect(),
             text: self.text.clone(),
             remedy: Some(self.remedy.to_owned()),
         }
-    }
-
-    /// As a program reads it.
-    pub fn remark(&self) -> RemarkV1 {
-        let ConcernV1 { stage, about, weight, text, remedy, .. } = self.concern();
-        let values = self.values.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
-        RemarkV1 { code: self.code.to_owned(), stage, about, weight, values, text, remedy }
     }
 
     /// The file that says it.

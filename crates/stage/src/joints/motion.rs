@@ -13,7 +13,7 @@ const INTEGRATE: &str = "integrate in m, s and kg in the program of the stage in
 const READ_OFF: &str = "read the events off the curves that the program of the stage integrate writes";
 
 /// Rows of the stage.
-pub(crate) static ROWS: [Invariant; 8] = [
+pub(crate) static ROWS: [Invariant; 9] = [
     Invariant {
         code: "CR301",
         ends_the_run: true,
@@ -111,6 +111,17 @@ pub(crate) static ROWS: [Invariant; 8] = [
         ],
         find: force_is_no_product,
     },
+    Invariant {
+        code: "CR309",
+        ends_the_run: true,
+        explanation: [
+            "A motion was integrated, and nobody says what its events are.",
+            "/events is looked for beside /wave/PULSE/displacement in 3-integrate.",
+            "Without contact, crush and its time nothing can be fitted.",
+            "write /events in the program of the stage integrate: CONTRACT.md of crumple new-stage integrate lists it",
+        ],
+        find: has_no_events,
+    },
 ];
 
 /// The motion that integrate wrote.
@@ -154,6 +165,16 @@ fn finding(about: About, values: Vec<(&'static str, f64)>, text: String) -> Vec<
 /// Share of the range of a velocity, and of a displacement, that may be beside their integral.
 const OF_VELOCITY: f64 = 0.04;
 const OF_DISPLACEMENT: f64 = 0.02;
+
+fn has_no_events(parts: &RunParts<'_>) -> Vec<Finding> {
+    let Some(artifact) = parts.of("integrate") else { return Vec::new() };
+    let has_events = artifact.records().iter().any(|raw| raw.topic == "/events");
+    let Some(id) = artifact.waves().keys().find(|id| id.ends_with("/displacement")).filter(|_| !has_events) else {
+        return Vec::new();
+    };
+    let text = format!("there is the wave {id}, and no record /events");
+    vec![Finding { stage: "integrate", about: About::Motion, values: Vec::new(), text }]
+}
 
 fn velocity_is_no_integral(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some(motion) = Motion::of(parts) else { return Vec::new() };

@@ -16,17 +16,15 @@ enum End {
     Refused(&'static str),
     /// With the row of this code as the first warning.
     Warned(&'static str),
-    /// With the row of this code among the first warnings, behind one of what it leads to.
-    Named(&'static str),
     /// Without a model that is recommended, for a reason that the console says.
     Without(&'static str),
     /// With an error that says this.
     Stopped(&'static str),
 }
 
-use End::{Named, Refused, Right, Stopped, Warned, Without};
+use End::{Refused, Right, Stopped, Warned, Without};
 
-const FILTERS: [(&str, End); 35] = [
+const FILTERS: [(&str, End); 42] = [
     ("honest", Right),
     ("butterworth", Right),
     ("raw", Right),
@@ -48,23 +46,30 @@ const FILTERS: [(&str, End); 35] = [
     ("mm", Refused("CR204")),
     ("gain", Warned("CR207")),
     ("small gain", Warned("CR207")),
-    ("offset", Named("CR207")),
-    ("clip", Named("CR207")),
+    ("offset", Warned("CR207")),
+    ("clip", Warned("CR207")),
     ("reverse", Warned("CR203")),
-    ("every second", Named("CR202")),
+    ("every second", Warned("CR202")),
     ("in ms", Refused("CR204")),
     ("zero", Refused("CR204")),
     ("velocity", Refused("CR204")),
     ("cut", Warned("CR202")),
-    ("half", Named("CR207")),
+    ("half", Warned("CR207")),
     ("absolute", Refused("CR204")),
     ("jerk", Refused("CR204")),
     ("failed", Warned("CR205")),
     ("mass", Refused("CR206")),
     ("speed", Refused("CR206")),
+    ("other title", Stopped("describe different tests")),
+    ("no pulse", Refused("CR209")),
+    ("stated late", Warned("CR203")),
+    ("stated early", Refused("CR201")),
+    ("20 ms wide", Right),
+    ("60 ms wide", Warned("CR208")),
+    ("100 ms wide", Warned("CR208")),
 ];
 
-const INTEGRATIONS: [(&str, End); 31] = [
+const INTEGRATIONS: [(&str, End); 32] = [
     ("honest", Right),
     ("euler", Right),
     ("simpson", Right),
@@ -96,6 +101,7 @@ const INTEGRATIONS: [(&str, End); 31] = [
     ("outside", Refused("CR306")),
     ("metric outside", Refused("CR306")),
     ("of no kind", Stopped("ended with exit code 2")),
+    ("no events", Refused("CR309")),
 ];
 
 const IDENTIFICATIONS: [(&str, End); 10] = [
@@ -111,9 +117,10 @@ const IDENTIFICATIONS: [(&str, End); 10] = [
     ("fit", Refused("CR404")),
 ];
 
-const SOLUTIONS: [(&str, End); 15] = [
+const SOLUTIONS: [(&str, End); 16] = [
     ("honest", Right),
     ("recommended", Right),
+    ("own, stiffer", Refused("CR604")),
     ("interval", Right),
     ("double mass", Warned("CR501")),
     ("recommended of double mass", Refused("CR603")),
@@ -129,11 +136,12 @@ const SOLUTIONS: [(&str, End); 15] = [
     ("negative", Without("crush")),
 ];
 
-const ANSWERS: [(&str, &str, End); 6] = [
+const ANSWERS: [(&str, &str, End); 7] = [
     ("simulate", "crush", Refused("CR601")),
     ("simulate", "nobody", Refused("CR602")),
     ("predict", "value", Refused("CR701")),
     ("predict", "interval", Refused("CR701")),
+    ("predict", "more", Refused("CR703")),
     ("predict", "nobody", Refused("CR602")),
     ("predict", "no speed", Refused("CR702")),
 ];
@@ -175,7 +183,6 @@ fn difference(stage: &str, mode: &str, end: End) -> Option<String> {
         }
         Refused(row) => code == 3 && said.contains(&format!("[{row}")) && text.is_empty(),
         Warned(row) => [0, 4].contains(&code) && is_first(row) && is_said("1", remarks[0]["text"].as_str().unwrap()),
-        Named(row) => [0, 4].contains(&code) && is_first(row) && is_said("2", remarks[0]["text"].as_str().unwrap()),
         Without(word) => [0, 4].contains(&code) && summary["recommended"].is_null() && said.contains(word),
         Stopped(word) => ![0, 4].contains(&code) && said.contains(word),
     };

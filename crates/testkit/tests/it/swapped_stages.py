@@ -75,7 +75,10 @@ def filtered():
         "begins late": {"x": x[after(0.06):], "t0_s": 0.06}, "begins at 10 ms": {"x": x[after(0.01):], "t0_s": 0.01},
         "half": {"x": [v if k < after(0.05) else 0.0 for k, v in enumerate(x)]},
         "absolute": {"x": [abs(v) for v in x]}, "jerk": {"x": [0.0] + [b - a for a, b in zip(x, x[1:])]},
-        "failed": {}, "mass": {}, "speed": {},
+        "failed": {}, "mass": {}, "speed": {}, "other title": {}, "no pulse": {},
+        "stated late": {"t0_s": wave["t0_s"] + 0.02}, "stated early": {"t0_s": wave["t0_s"] - 0.02},
+        "20 ms wide": {"x": mean(raw, round(0.01 / step))}, "60 ms wide": {"x": mean(raw, round(0.03 / step))},
+        "100 ms wide": {"x": mean(raw, round(0.05 / step))},
     }[what]
     wave |= change
     if what == "failed":
@@ -85,8 +88,18 @@ def filtered():
         test["mass_kg"] *= 2
     if what == "speed":
         test["impact_speed_m_per_s"] *= 3.6
+    if what == "other title":
+        test["title"] = "another"
     kept[pulse] = wave
-    return [records["/test"]], kept
+    said = []
+    if what.startswith("stated"):
+        shift = change["t0_s"] - waves[pulse]["t0_s"]
+        data = {"mode": "moving-average", "phase": "zero", "width_s": 45 * step, "shift_s": shift, "notes": [],
+                "samples_added": 0, "coefficients": [], "zero_level_removed": 0.0}
+        said = [{"topic": f"/filter/{pulse}", "schema": "crumple.ChannelFilter.v1", "data": data}]
+    if what == "no pulse":
+        kept.pop(pulse)
+    return [records["/test"], *said], kept
 
 
 def integrated():
@@ -150,10 +163,12 @@ def integrated():
         "peak of another": lambda: events.update(rebound_velocity_m_per_s=-v[low]),
     }
     what_is.get(what, lambda: None)()
-    if what not in what_is and what not in ("honest", "euler", "simpson"):
+    if what not in what_is and what not in ("honest", "euler", "simpson", "no events"):
         sys.exit(2)
     data = [("/test", "crumple.Test.v1", test), ("/events", "crumple.Events.v1", events),
             ("/metrics", "crumple.Metrics.v2", {"metrics": metrics})]
+    if what == "no events":
+        data.pop(1)
     return [dict(zip(("topic", "schema", "data"), row)) for row in data], {w["id"]: w for w in made.values()}
 
 
@@ -248,13 +263,21 @@ def changed():
                 data["candidate"] = "of/nobody/1"
             if what == "no speed":
                 data["impact_speed_m_per_s"] *= -1
+            if what == "more":
+                data["dynamic_crush_m"] *= 1.2
+                for interval in data["intervals"]:
+                    interval.update(low=interval["low"] * 1.2, high=interval["high"] * 1.2)
+        if what == "own, stiffer" and line["topic"].startswith("/parameters/"):
+            numbers = data["parameters"]
+            data["uncertainty"] = None
+            numbers.update({name: value * 1.5 for name, value in numbers.items() if name.endswith("_n_per_m")})
     (folder / "records.ndjson").write_text("\n".join(map(json.dumps, lines)))
     (folder / "provenance.json").unlink()
     subprocess.run(["crumple-artifact", "pack", "-q", folder, output], check=True)
 
 
 stage, what = mode.split(":")
-if stage in ("simulate", "predict"):
+if stage in ("simulate", "predict") or what.startswith("own"):
     changed()
     sys.exit()
 kept, made = {"filter": filtered, "integrate": integrated, "identify": identified, "parameter-solve": solved}[stage]()

@@ -4,7 +4,7 @@ use crate::drawing::numbers::MILLI;
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;
-use crumple_artifact::records::{Certainty, ConcernV1, SeverityV1};
+use crumple_artifact::records::{Certainty, ConcernV1, RemarkV1, SeverityV1};
 use crumple_signal::{About, Severity, Weight};
 
 use crate::findings::conclusions::key_numbers::{KeyNumber, key_numbers};
@@ -32,9 +32,9 @@ pub fn decisive_warning<'a>(run: &Run, concerns: &'a [ConcernV1]) -> Option<(usi
     warnings(concerns).zip(1..).find(|(c, _)| is_decisive(c)).map(|(concern, number)| (number, concern.about.as_str()))
 }
 
-/// The concerns of a run, weighed from 1 to `LARGEST_WEIGHT`, gravest first: the diagnosis of a stage without a
-/// result, the warnings of the stages, and
-/// what follows from the results themselves. No two of the first `SHOWN_FIRST` concern the same thing where others
+/// The concerns of a run, weighed from 1 to `LARGEST_WEIGHT`: the diagnosis of a stage without a result, what the
+/// results contradict each other in, then, gravest first, the warnings of the stages and what follows from the results
+/// themselves. No two of the first `SHOWN_FIRST` concern the same thing where others
 /// are as grave within one step of how much they change.
 pub fn concerns(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<ConcernV1> {
     let mut all: Vec<ConcernV1> = run.concerns.iter().map(|record| of_record(record, run, ranking, kind)).collect();
@@ -52,6 +52,9 @@ pub fn concerns(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<ConcernV1> {
     all.retain(|concern| kind != Kind::InputOutput || is_asked(concern));
     // The sort is stable: equals stay in the order of the stages.
     all.sort_by_key(|concern| (!concern.is_no_result(), std::cmp::Reverse(concern.weight), order_of(&concern.about)));
+    // What else is said follows from what contradicts itself.
+    let after_the_diagnoses = all.partition_point(ConcernV1::is_no_result);
+    all.splice(after_the_diagnoses..after_the_diagnoses, run.remarks.iter().map(|r| of_remark(r, run, ranking, kind)));
     one_each_first(all)
 }
 
@@ -75,6 +78,13 @@ fn of_record(record: &ConcernV1, run: &Run, ranking: &Ranking, kind: Kind) -> Co
     let weight = Weight::of_number(record.weight);
     let concern = concern(&record.stage, about, weight, record.text.clone(), run, ranking, kind);
     ConcernV1 { severity: record.severity, remedy: record.remedy.clone(), ..concern }
+}
+
+fn of_remark(remark: &RemarkV1, run: &Run, ranking: &Ranking, kind: Kind) -> ConcernV1 {
+    let about = remark.about.parse().unwrap_or(About::Record);
+    let weight = Weight::of_number(remark.weight);
+    let concern = concern(&remark.stage, about, weight, remark.text.clone(), run, ranking, kind);
+    ConcernV1 { remedy: remark.remedy.clone(), ..concern }
 }
 
 fn concern(
