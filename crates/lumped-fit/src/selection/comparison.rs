@@ -175,9 +175,14 @@ impl Comparison {
         let unit = |test: &ComparedTest| if one { 1.0 } else { test.wave().size() };
         let misfits = self.tests.iter().zip(&each).map(|(test, in_test)| Some(in_test.misfit? / unit(test)));
         let misfits: Option<Vec<f64>> = misfits.collect();
-        let evidence =
-            self.tests.iter().zip(&each).map(|(test, in_test)| Some((in_test.evidence.clone()?, unit(test))));
-        let evidence: Option<Vec<_>> = evidence.collect();
+        // All tests are of one set of numbers: of several that of the candidate, of one that of its least misfit.
+        let start = if one { each[0].start.clone() } else { model.released() };
+        let records = self.tests.iter().map(|test| (test.observed_by(candidate), unit(test)));
+        let bounds = candidate.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
+        let free = evaluated.free_numbers();
+        let not_on_a_bound: Vec<&str> =
+            free.iter().map(String::as_str).filter(|name| !bounds.iter().any(|bound| bound == name)).collect();
+        let evidence = Evidence::new(&records.collect::<Vec<_>>(), &start, &not_on_a_bound);
         let fits: Option<Vec<f64>> = evaluations.iter().map(|of_test| of_test.fit_as_measured_percent).collect();
         let restitutions: Option<Vec<f64>> = evaluations.iter().map(|of_test| of_test.restitution).collect();
         let of_events: Vec<OwnTestErrors> = evaluations.iter().map(|of_test| of_test.own_test).collect();
@@ -202,7 +207,6 @@ impl Comparison {
         };
         let is_ordered = |name: &str| model.kind() == ORDERED.0 && ORDERED.1.contains(&name);
         let is_limit = |name: &str| is_zero(name) || is_ordered(name);
-        let bounds = candidate.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
         // What the misfit of the displacement leaves on a bound, a sum of errors, that of the acceleration may know.
         let is_inside = |name: &str| each.iter().any(|in_test| in_test.inside.iter().any(|inside| inside == name));
         let mut unidentified = known.open.clone();
@@ -219,7 +223,7 @@ impl Comparison {
             id: candidate.id(),
             model: model.kind().name().to_owned(),
             class: EnergyClass::of(model),
-            parameters: evaluated.free_numbers().len().max(unidentified.len()),
+            parameters: free.len().max(unidentified.len()),
             unidentified,
             is_assessed: !known.asked.is_empty(),
             order_of_magnitude: known.order_of_magnitude,
@@ -228,7 +232,7 @@ impl Comparison {
             physical: model.is_physical(),
             misfit: misfits
                 .map(|each| (each.iter().map(|misfit| misfit * misfit).sum::<f64>() / each.len() as f64).sqrt()),
-            evidence: evidence.and_then(Evidence::side_by_side),
+            evidence,
             // The worst of several: a model is to follow all.
             fit_percent: fits.and_then(|fits| fits.into_iter().reduce(f64::min)),
             worst_sensor: worst_sensors.min_by(|(_, a), (_, b)| a.total_cmp(b)),
@@ -260,7 +264,8 @@ fn geometric_mean(values: impl Iterator<Item = f64>) -> Option<f64> {
 struct InTest {
     /// Root mean square of the misfit.
     misfit: Option<f64>,
-    evidence: Option<Evidence>,
+    /// The model at the least misfit.
+    start: Model,
     /// Parameters that stand on no bound at the least misfit.
     inside: Vec<String>,
 }
@@ -335,19 +340,11 @@ impl ComparedTest {
             let lower = sum(&there).filter(|lower| own.is_none_or(|own| *lower < own))?;
             Some((there, lower, inside.clone()))
         });
-        let bounds = candidate.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
-        let free = evaluated.free_numbers();
-        let free: Vec<&str> =
-            free.iter().map(String::as_str).filter(|name| !bounds.iter().any(|bound| bound == name)).collect();
         let (start, sum, inside) = match least {
             Some((there, lower, inside)) => (there, Some(lower), inside),
             None => (model, own, Vec::new()),
         };
         let samples = observed.rows() as f64;
-        InTest {
-            misfit: sum.map(|sum| (sum / samples).sqrt()),
-            evidence: Evidence::new(&observed, &start, &free),
-            inside,
-        }
+        InTest { misfit: sum.map(|sum| (sum / samples).sqrt()), start, inside }
     }
 }

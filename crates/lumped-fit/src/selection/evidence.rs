@@ -38,7 +38,8 @@ pub const SLOW_HZ: f64 = 60.0;
 /// number, in its logarithm and in standard deviations beforehand, and time zero change of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evidence {
-    /// The slow terms of the misfit, unit of the record times the root of its samples.
+    /// The slow terms of the misfit, unit of the record times the root of a second, so that a wave with twice the
+    /// samples has the same.
     pub terms: DVector<f64>,
     /// A column a number, the last that of time zero.
     pub sensitivity: DMatrix<f64>,
@@ -47,17 +48,19 @@ pub struct Evidence {
 }
 
 impl Evidence {
-    /// Of a candidate with these free numbers, near its least misfit. Numbers that are zero stay. `None` where the
-    /// model has no finite response.
-    pub fn new(observed: &Observation, start: &Model, free: &[&str]) -> Option<Self> {
+    /// Of a candidate with these free numbers, near the least misfit to all records, each with what it is divided by.
+    /// Numbers that are zero stay. `None` where the model has no finite response.
+    pub fn new(records: &[(Observation, f64)], start: &Model, free: &[&str]) -> Option<Self> {
         let terms_at = |values: &[f64]| {
-            let misfit = observed.misfit_of(&start.with_values(values).ok()?.structure().ok()?)?;
-            Some((slow_terms(observed, &misfit), misfit))
+            let structure = start.with_values(values).ok()?.structure().ok()?;
+            let misfits = records.iter().map(|(observed, _)| observed.misfit_of(&structure));
+            let misfits: Vec<Vec<f64>> = misfits.collect::<Option<_>>()?;
+            Some((terms_of_all(records, &misfits), misfits))
         };
         let (names, mut values) = (start.names(), start.values());
         let places = free.iter().filter_map(|free| names.iter().position(|name| name == free));
         let free: Vec<usize> = places.filter(|k| values[*k] != 0.0).collect();
-        let at = |values: &[f64], (terms, misfit): (DVector<f64>, Vec<f64>)| -> Option<Self> {
+        let at = |values: &[f64], (terms, misfits): (DVector<f64>, Vec<Vec<f64>>)| -> Option<Self> {
             let mut columns = Vec::with_capacity(free.len() + 1);
             for k in &free {
                 // A number on the edge of what has a meaning moves away from it.
@@ -68,7 +71,8 @@ impl Evidence {
                 });
                 columns.push(moved.unwrap_or_else(|| DVector::zeros(terms.len())));
             }
-            columns.push(slow_terms(observed, &slope(observed, &misfit)) * TIME_ZERO_S);
+            let slopes = records.iter().zip(&misfits).map(|((observed, _), misfit)| slope(observed, misfit));
+            columns.push(terms_of_all(records, &slopes.collect::<Vec<_>>()) * TIME_ZERO_S);
             let names = free.iter().map(|k| names[*k].to_string()).collect();
             Some(Self { terms, sensitivity: DMatrix::from_columns(&columns), names })
         };
@@ -86,21 +90,6 @@ impl Evidence {
             values = there;
         }
         Some(here)
-    }
-
-    /// Records side by side, each divided by its unit.
-    pub fn side_by_side(each: Vec<(Self, f64)>) -> Option<Self> {
-        let (rows, first) = (each.iter().map(|(one, _)| one.terms.len()).sum(), &each.first()?.0);
-        let (sensitivity, names) = (DMatrix::zeros(rows, first.sensitivity.ncols()), first.names.clone());
-        let mut all = Self { terms: DVector::zeros(rows), sensitivity, names };
-        let mut row = 0;
-        for (one, unit) in each {
-            let count = one.terms.len();
-            all.terms.rows_mut(row, count).copy_from(&(one.terms / unit));
-            all.sensitivity.rows_mut(row, count).copy_from(&(one.sensitivity / unit));
-            row += count;
-        }
-        Some(all)
     }
 
     /// The step, in standard deviations beforehand, to the largest density where each term is known to this variance.
@@ -141,6 +130,12 @@ impl Evidence {
     }
 }
 
+/// The slow terms of misfits to records side by side, each divided by its unit.
+fn terms_of_all(records: &[(Observation, f64)], misfits: &[Vec<f64>]) -> DVector<f64> {
+    let each = records.iter().zip(misfits).map(|((observed, unit), misfit)| slow_terms(observed, misfit) / *unit);
+    DVector::from_vec(each.flat_map(|terms| terms.iter().copied().collect::<Vec<_>>()).collect())
+}
+
 /// The slopes of the modelled waves times their weights, per second: central differences, at the ends those of the
 /// neighbours.
 fn slope(observed: &Observation, misfit: &[f64]) -> Vec<f64> {
@@ -159,7 +154,7 @@ fn slope(observed: &Observation, misfit: &[f64]) -> Vec<f64> {
 }
 
 /// The part of a misfit that is slower than 60 Hz, wave by wave: its first terms of the orthonormal discrete cosine
-/// transform, in which the ends of the window make no difference.
+/// transform, in which the ends of the window make no difference, times the root of the sampling interval.
 pub fn slow_terms(observed: &Observation, misfit: &[f64]) -> DVector<f64> {
     let parts = observed.waves.iter().zip(observed.split(misfit));
     let each = parts.flat_map(|(wave, misfit)| slow_part(misfit, wave.measurement.dt_s * wave.stride as f64));
@@ -172,7 +167,7 @@ fn slow_part(misfit: &[f64], dt_s: f64) -> Vec<f64> {
     let terms = ((2.0 * SLOW_HZ * dt_s * count as f64).round() as usize).clamp(1, count.max(1));
     let of_term = |term: usize| {
         let angle = PI * term as f64 / count as f64;
-        let norm = (if term == 0 { 1.0 } else { 2.0 } / count as f64).sqrt();
+        let norm = (if term == 0 { dt_s } else { 2.0 * dt_s } / count as f64).sqrt();
         norm * misfit.iter().enumerate().map(|(k, e)| e * (angle * (k as f64 + 0.5)).cos()).sum::<f64>()
     };
     (0..terms).map(of_term).collect()
@@ -201,13 +196,13 @@ mod tests {
 
     /// Variance of a term where the record is known to this share.
     fn variance(observed: &Observation, share: f64) -> f64 {
-        (share * observed.waves[0].size()).powi(2) / (2.0 * SLOW_HZ * 1e-4)
+        (share * observed.waves[0].size()).powi(2) / (2.0 * SLOW_HZ)
     }
 
     #[test]
     fn the_score_is_the_product_of_what_each_stretch_is_predicted_by_those_before_it() {
         let observed = late_by(2e-4);
-        let evidence = Evidence::new(&observed, &Model::Kelvin(KELVIN), &FREE).unwrap();
+        let evidence = Evidence::new(&[(observed.clone(), 1.0)], &Model::Kelvin(KELVIN), &FREE).unwrap();
         let known = variance(&observed, 0.02);
         // One term after the other: mean and variance given those before it, then the numbers given it as well.
         let count = evidence.sensitivity.ncols();
@@ -230,7 +225,7 @@ mod tests {
     fn what_the_record_determines_is_known_better_than_to_a_factor_of_2() {
         let observed = late_by(0.0);
         let known = |share: f64| {
-            let evidence = Evidence::new(&observed, &Model::Kelvin(KELVIN), &FREE).unwrap();
+            let evidence = Evidence::new(&[(observed.clone(), 1.0)], &Model::Kelvin(KELVIN), &FREE).unwrap();
             evidence.deviations(variance(&observed, share))
         };
         let (fine, coarse) = (known(0.02), known(100.0));
@@ -243,7 +238,8 @@ mod tests {
     fn a_shift_of_time_zero_is_no_reason_and_a_wrong_spring_is_one() {
         let score = |shift_s: f64, k: f64, free: &[&str]| {
             let (observed, model) = (late_by(shift_s), Kelvin { stiffness_n_per_m: k, ..KELVIN });
-            Evidence::new(&observed, &Model::Kelvin(model), free).unwrap().score(variance(&observed, 0.02)).unwrap()
+            let known = variance(&observed, 0.02);
+            Evidence::new(&[(observed, 1.0)], &Model::Kelvin(model), free).unwrap().score(known).unwrap()
         };
         // The shift is within one deviation, which costs 1 at most beside what is second order.
         assert!(score(2e-4, 4e5, &[]) - score(0.0, 4e5, &[]) < 1.0);
@@ -253,13 +249,35 @@ mod tests {
     }
 
     #[test]
+    fn two_records_of_one_vehicle_are_linear_about_one_set_of_numbers() {
+        // The second is of half the size in its own unit: it says the same once more.
+        let (one, other) = (late_by(0.0), late_by(0.0));
+        let model = Model::Kelvin(Kelvin { stiffness_n_per_m: 4.4e5, ..KELVIN });
+        let alone = Evidence::new(&[(one.clone(), 1.0)], &model, &FREE).unwrap();
+        let both = Evidence::new(&[(one.clone(), 1.0), (other, 2.0)], &model, &FREE).unwrap();
+        let count = alone.terms.len();
+        assert_eq!(both.terms.len(), 2 * count);
+        let half = both.sensitivity.rows(0, count) - both.sensitivity.rows(count, count) * 2.0;
+        assert!(half.norm() < 1e-9 * both.sensitivity.norm(), "{}", half.norm());
+        let known = variance(&one, 0.02);
+        let deviation = |evidence: &Evidence| evidence.deviations(known)[0].1;
+        assert!((deviation(&alone) / deviation(&both) / 1.25_f64.sqrt() - 1.0).abs() < 0.02);
+    }
+
+    #[test]
     fn a_ring_of_120_hz_is_not_in_the_slow_terms_and_a_motion_of_20_hz_is() {
         let wave = |hz: f64| (0..750).map(|k| (2.0 * PI * hz * f64::from(k) * 1e-4).sin()).collect::<Vec<f64>>();
         let size = |wave: &[f64]| wave.iter().map(|e| e * e).sum::<f64>().sqrt();
+        let of_terms = |misfit: &[f64], dt_s: f64| size(&slow_part(misfit, dt_s)) / dt_s.sqrt();
         // 9 terms of 75 ms; what leaks is that of the ends of the window.
-        assert!(size(&slow_part(&wave(120.0), 1e-4)) < 0.2 * size(&wave(120.0)));
-        assert!(size(&slow_part(&wave(20.0), 1e-4)) > 0.99 * size(&wave(20.0)));
+        assert!(of_terms(&wave(120.0), 1e-4) < 0.2 * size(&wave(120.0)));
+        assert!(of_terms(&wave(20.0), 1e-4) > 0.99 * size(&wave(20.0)));
         // All terms have the size of the misfit itself.
-        assert!((size(&slow_part(&[1.0, -2.0, 0.5], 1.0)) - size(&[1.0, -2.0, 0.5])).abs() < 1e-12);
+        assert!((of_terms(&[1.0, -2.0, 0.5], 1.0) - size(&[1.0, -2.0, 0.5])).abs() < 1e-12);
+        // Twice the samples of a slow motion have the terms of the half.
+        let twice: Vec<f64> = (0..1500).map(|k| (2.0 * PI * 20.0 * (f64::from(k) - 0.5) * 5e-5).sin()).collect();
+        let (fine, coarse) = (slow_part(&twice, 5e-5), slow_part(&wave(20.0), 1e-4));
+        assert_eq!(fine.len(), coarse.len());
+        assert!(fine.iter().zip(&coarse).all(|(a, b)| (a - b).abs() < 1e-2 * size(&coarse)), "{fine:?} {coarse:?}");
     }
 }

@@ -9,6 +9,9 @@ use crate::selection::evidence::{Evidence, SLOW_HZ};
 /// 4 % the pulses of docs/methods/prediction.md had the same errors.
 const DISCREPANCY: f64 = 0.02;
 
+/// Time that a term of the evidence stands for, s: a record of T seconds has 120 T terms below 60 Hz.
+pub(crate) const TERM_S: f64 = 0.5 / SLOW_HZ;
+
 /// What all candidates are compared with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ComparedRecord {
@@ -17,8 +20,6 @@ pub struct ComparedRecord {
     /// Standard deviation of the noise of the record below 60 Hz, as it was before the event, unit of the misfits; zero
     /// where it is not known.
     pub noise: f64,
-    /// Samples in a term of the evidence: one over twice 60 Hz and the sampling interval.
-    pub samples_in_a_term: f64,
     /// Restitution that the test shows.
     pub restitution: Option<f64>,
 }
@@ -26,8 +27,7 @@ pub struct ComparedRecord {
 impl ComparedRecord {
     /// Of the first of its waves, with this noise below 60 Hz.
     pub fn of(wave: &ObservedWave, noise: f64) -> Self {
-        let samples_in_a_term = 0.5 / (SLOW_HZ * wave.measurement.dt_s * wave.stride as f64);
-        Self { rms: wave.size(), noise, samples_in_a_term, restitution: None }
+        Self { rms: wave.size(), noise, restitution: None }
     }
 
     /// Variance of a term that no model knows better: noise and the discrepancy of the best of them, at least what no
@@ -35,7 +35,7 @@ impl ComparedRecord {
     pub fn variance<'a>(&self, evidence: impl IntoIterator<Item = &'a Evidence>) -> f64 {
         let known = self.noise.powi(2) + (DISCREPANCY * self.rms).powi(2);
         let least = evidence.into_iter().filter_map(Evidence::least_variance).reduce(f64::min);
-        least.unwrap_or(0.0).max(known * self.samples_in_a_term)
+        least.unwrap_or(0.0).max(known * TERM_S)
     }
 }
 

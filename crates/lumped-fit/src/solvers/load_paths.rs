@@ -266,9 +266,10 @@ impl Motions {
 /// Whether the accelerations of engine and compartment, and the force on the wall beside them, ask for the path that
 /// one of the fits has more: a lower score with it, as in the choice of a candidate.
 fn asks_for(accelerations: &Observation, without: &Minimum, with: &Minimum) -> bool {
+    let records = [(accelerations.clone(), 1.0)];
     let of = |minimum: &Minimum| {
         let free: Vec<&str> = minimum.free.iter().map(|parameter| &*parameter.name).collect();
-        Evidence::new(accelerations, &minimum.model, &free)
+        Evidence::new(&records, &minimum.model, &free)
     };
     let Some((a, b)) = of(without).zip(of(with)) else { return false };
     let wave = &accelerations.waves[0];

@@ -116,7 +116,8 @@ pub(crate) static ROWS: [Invariant; 9] = [
         ends_the_run: true,
         explanation: [
             "A motion was integrated, and nobody says what its events are.",
-            "/events is looked for beside /wave/PULSE/displacement in 3-integrate.",
+            "/events is looked for beside /wave/PULSE/displacement in 3-integrate, where /test has mass and impact \
+             speed.",
             "Without contact, crush and its time nothing can be fitted.",
             "write /events in the program of the stage integrate: CONTRACT.md of crumple new-stage integrate lists it",
         ],
@@ -168,8 +169,12 @@ const OF_DISPLACEMENT: f64 = 0.02;
 
 fn has_no_events(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some(artifact) = parts.of("integrate") else { return Vec::new() };
-    let has_events = artifact.records().iter().any(|raw| raw.topic == "/events");
-    let Some(id) = artifact.waves().keys().find(|id| id.ends_with("/displacement")).filter(|_| !has_events) else {
+    let has = |topic: &str| artifact.records().iter().any(|raw| raw.topic == topic);
+    // Of a component without speed and mass there are none.
+    let is_of_a_crash =
+        record::<TestV1>(artifact, "/test").is_some_and(|test| test.mass_kg.and(test.impact_speed_m_per_s).is_some());
+    let is_needed = is_of_a_crash && !has("/events") && !has("/diagnosis");
+    let Some(id) = artifact.waves().keys().find(|id| id.ends_with("/displacement")).filter(|_| is_needed) else {
         return Vec::new();
     };
     let text = format!("there is the wave {id}, and no record /events");

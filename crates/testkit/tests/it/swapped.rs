@@ -66,7 +66,8 @@ const FILTERS: [(&str, End); 42] = [
     ("stated early", Refused("CR201")),
     ("20 ms wide", Right),
     ("60 ms wide", Warned("CR208")),
-    ("100 ms wide", Warned("CR208")),
+    // Without samples before contact the mean over what is there moves the pulse too.
+    ("100 ms wide", Warned("CR203")),
 ];
 
 const INTEGRATIONS: [(&str, End); 32] = [

@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::*;
 use crate::selection::compared::{OwnTestErrors, TestEvent};
 use crate::selection::evidence::Evidence;
+use crate::selection::rating::TERM_S;
 
 /// Misses each of twelve terms by so much; each of its numbers moves a term of its own by ten of what is not known.
 fn candidate(id: &str, class: EnergyClass, parameters: usize, misfit: f64) -> ComparedCandidate {
@@ -35,7 +36,9 @@ fn candidate(id: &str, class: EnergyClass, parameters: usize, misfit: f64) -> Co
 
 /// Noise of 1 in every term: the discrepancy of 2 % of the record is nothing beside it.
 fn record() -> ComparedRecord {
-    ComparedRecord { rms: 1.0, noise: 1.0, samples_in_a_term: 1.0, restitution: Some(0.15) }
+    // So that the noise of a term is 1.
+    let size = TERM_S.recip().sqrt();
+    ComparedRecord { rms: size, noise: size, restitution: Some(0.15) }
 }
 
 fn chosen(candidates: &[ComparedCandidate]) -> CandidateSelection {

@@ -104,8 +104,11 @@ mod tests {
             "model": "double-spring-mass-damper", "method": "direct-fit", "physical": true, "equivalent_to": null,
             "notes": [], "uncertainty": null, "parameters": {"m1_kg": 375, "m2_kg": 1125, "k1_n_per_m": 9e5,
                 "k2_n_per_m": 1e6, "c1_n_s_per_m": 6e3, "c2_n_s_per_m": 9e3},
-            "fit": {"channel": "a", "quantity": "displacement", "from_s": 0, "to_s": 0.07, "samples": 9, "rmse": 0,
-                "iterations": 1, "evaluations": 1, "stop_reason": "cost-converged", "active_bounds": []}
+            "fit": null, "mass_divisions": {"largest_mass_ratio": 4.5, "sweep": [
+                {"front_mass_fraction": 0.2, "k1_n_per_m": 9e5, "k2_n_per_m": 1e6, "c1_n_s_per_m": 6e3,
+                 "c2_n_s_per_m": 9e3, "physical": true},
+                {"front_mass_fraction": 0.3, "k1_n_per_m": 8e5, "k2_n_per_m": 1e6, "c1_n_s_per_m": 5e3,
+                 "c2_n_s_per_m": 9e3, "physical": true}]}
         }))
         .unwrap();
         let id = "double-spring-mass-damper/direct-fit/1".to_owned();

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crumple_artifact::records::{CandidateV1, FitV1, UncertaintyV1};
+use crumple_artifact::records::{CandidateV1, FitV1, MassDivisionsV1, MatchingSweepV1, UncertaintyV1};
 
 use super::kelvin::{Kelvin, TEST};
 
@@ -47,9 +47,23 @@ impl Sketch {
                 sensors: vec![],
             }),
             notes: vec!["the test mass is taken for the mass that moves".to_owned()],
+            mass_divisions: self.id.ends_with("displacement-fit/1").then(divisions),
             ..CandidateV1::default()
         }
     }
+}
+
+/// Sets of the double model on both sides of the division that was used.
+fn divisions() -> MassDivisionsV1 {
+    let at = |front_mass_fraction: f64| MatchingSweepV1 {
+        front_mass_fraction,
+        k1_n_per_m: 412_000.0,
+        k2_n_per_m: 330_000.0 / front_mass_fraction,
+        c1_n_s_per_m: 3_120.0,
+        c2_n_s_per_m: 8_400.0,
+        physical: front_mass_fraction > 0.15,
+    };
+    MassDivisionsV1 { largest_mass_ratio: Some(5.5), sweep: vec![at(0.1), at(0.2), at(0.3)] }
 }
 
 pub(super) fn sketches() -> Vec<Sketch> {
