@@ -11,8 +11,8 @@ use crate::impact::candidate::Scenario;
 use crate::impact::outcome::{Energy, Outcome, QUANTITIES, Quantity, Reach, Side, Wave, energy};
 use crate::impact::partner::{CollisionOutcome, Opponent, PreparedSetup, collision};
 use crate::intervals::sources::{
-    HALF_WIDTH, Inputs, Interval, PreparedPartner, Variances, by_extrapolation, by_inputs_of_test, by_masses_in_front,
-    by_rate_effect, interval,
+    HALF_WIDTH, Inputs, Interval, Place, PreparedPartner, Variances, by_extrapolation, by_inputs_of_test,
+    by_masses_in_front, by_rate_effect, interval,
 };
 use crate::intervals::tested::{
     COARSE_S, Direction, OwnTest, RecordFactors, SAMPLING_S, STEP, Tested, TestedFront, at_crush, half_difference,
@@ -174,6 +174,15 @@ impl Impact<'_> {
         let partner_doubt = partner.as_ref().map_or_else(CrushUncertainty::default, |(tested, speed, _)| {
             crush_uncertainty(tested, (*speed, partner_kg, known), is_beyond[1], &wave, &outcome, Side::Partner)
         });
+        let over_tested = |tested: &Tested<'_>, crush: Option<f64>| {
+            crush.zip(tested.test.made.get(Quantity::DynamicCrush)).map_or(Place::OwnTest, |(c, of)| Place::of(c / of))
+        };
+        let places = [
+            over_tested(self.tested, outcome.get(Quantity::DynamicCrush)),
+            partner
+                .as_ref()
+                .map_or(Place::OwnTest, |(tested, ..)| over_tested(tested, outcome.get(Quantity::PartnerCrush))),
+        ];
         let of = |quantity: Quantity, crush_deviation: f64| {
             let value = mixed.get(quantity)?;
             let q = quantity as usize;
@@ -195,7 +204,8 @@ impl Impact<'_> {
                 Side::Own => self.tested.test.made.deviation_of(quantity, value),
                 _ => 0.0,
             };
-            interval(value, &all, measured, possible, inputs.left_out)
+            let factor = places[usize::from(quantity.side() == Side::Partner)].cover_factor(quantity);
+            interval(value, &all, measured, possible, (inputs.left_out, factor))
         };
         let crush = of(Quantity::DynamicCrush, 0.0).zip(mixed.get(Quantity::DynamicCrush));
         let deviation =
