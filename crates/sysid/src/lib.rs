@@ -39,6 +39,7 @@ mod polynomial_form;
 mod regression;
 mod simulation;
 mod subspace;
+mod subspace_choice;
 mod transfer_function;
 mod validation;
 
@@ -74,6 +75,7 @@ pub use polynomial_form::{PolynomialDeviations, PolynomialForm};
 pub use simulation::continuation::{continued, sampled};
 pub use simulation::fit::{FitMeasures, compare, fit_measures, simulate_fitted};
 pub use subspace::{Horizons, Subspace, SubspaceModel, SubspaceOptions, Weighting, horizons};
+pub use subspace_choice::{ChosenOrder, Horizon, HorizonModel, SHORTEST_HORIZON, SubspaceSettings};
 pub use transfer_function::{TransferFunctionFit, transfer_function_fit};
 pub use validation::bootstrap::{
     BandPoint, Bootstrap, BootstrapOptions, NoSpread, RecordLength, Sample, Spread, bootstrap,

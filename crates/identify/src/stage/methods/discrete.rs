@@ -4,12 +4,12 @@ use crumple_numerics::lti::Complex;
 use crumple_signal::{About, Notes, TestDescription, Weight};
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
 use crumple_sysid::{
-    AmbientModes, IdentifyError, IoData, MissReason, Order, OutputErrorOptions, Stop, Weighting, fit_measures,
+    AmbientModes, Horizon, IdentifyError, IoData, MissReason, Order, OutputErrorOptions, Stop, Weighting, fit_measures,
     output_error, weak_fit,
 };
 
 use crate::stage::methods::okid::okid;
-use crate::stage::methods::subspace::{Horizon, chosen_order, put_subspace_diagram};
+use crate::stage::methods::subspace::{chosen_order, put_subspace_diagram};
 use crate::stage::methods::{arx, subspace};
 use crate::stage::options::choices::{Initial, Method};
 use crate::stage::options::orders::OrderOption;
