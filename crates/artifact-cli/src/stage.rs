@@ -287,13 +287,12 @@ fn check_files(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
     Ok(status)
 }
 
-/// What an artifact of a run folder was made from and is not there. A stage that reads several runs has its inputs
-/// elsewhere.
+/// What an artifact of a run folder was made from and is not there.
 fn missing_input(artifact: &Artifact, all: &[Artifact]) -> Option<String> {
     let inputs = &artifact.provenance()?.inputs;
-    let is_alone = |kind: &str| inputs.iter().filter(|input| input.kind == kind).count() == 1;
+    let is_input = |kind: &str| inputs.iter().any(|input| input.kind == kind);
     let is_there = |kind: &str| all.iter().any(|other| other.stage() == Some(kind));
-    let stages = chain().filter(|stage| is_alone(stage.name) && !is_there(stage.name));
+    let stages = chain().filter(|stage| is_input(stage.name) && !is_there(stage.name));
     let missing = stages.filter_map(|stage| stage.outputs.first().copied()).next()?;
     Some(format!("{} was made from {missing}, which is not in the folder", artifact.path().display()))
 }

@@ -41,7 +41,7 @@ pub struct Evidence {
     /// The slow terms of the misfit, unit of the record times the root of a second, so that a wave with twice the
     /// samples has the same.
     pub terms: DVector<f64>,
-    /// A column a number, the last that of time zero.
+    /// A column a number, behind them that of the time zero of each record.
     pub sensitivity: DMatrix<f64>,
     /// Names of the numbers.
     pub names: Vec<String>,
@@ -61,7 +61,7 @@ impl Evidence {
         let places = free.iter().filter_map(|free| names.iter().position(|name| name == free));
         let free: Vec<usize> = places.filter(|k| values[*k] != 0.0).collect();
         let at = |values: &[f64], (terms, misfits): (DVector<f64>, Vec<Vec<f64>>)| -> Option<Self> {
-            let mut columns = Vec::with_capacity(free.len() + 1);
+            let mut columns = Vec::with_capacity(free.len() + records.len());
             for k in &free {
                 // A number on the edge of what has a meaning moves away from it.
                 let moved = [DIFFERENCE, -DIFFERENCE].into_iter().find_map(|step| {
@@ -71,8 +71,13 @@ impl Evidence {
                 });
                 columns.push(moved.unwrap_or_else(|| DVector::zeros(terms.len())));
             }
-            let slopes = records.iter().zip(&misfits).map(|((observed, _), misfit)| slope(observed, misfit));
-            columns.push(terms_of_all(records, &slopes.collect::<Vec<_>>()) * TIME_ZERO_S);
+            // Each record has a time zero of its own.
+            for record in 0..records.len() {
+                let slopes = records.iter().zip(&misfits).enumerate().map(|(k, ((observed, _), misfit))| {
+                    if k == record { slope(observed, misfit) } else { vec![0.0; misfit.len()] }
+                });
+                columns.push(terms_of_all(records, &slopes.collect::<Vec<_>>()) * TIME_ZERO_S);
+            }
             let names = free.iter().map(|k| names[*k].to_string()).collect();
             Some(Self { terms, sensitivity: DMatrix::from_columns(&columns), names })
         };
@@ -250,18 +255,28 @@ mod tests {
 
     #[test]
     fn two_records_of_one_vehicle_are_linear_about_one_set_of_numbers() {
-        // The second is of half the size in its own unit: it says the same once more.
-        let (one, other) = (late_by(0.0), late_by(0.0));
+        // A fit between two records of springs 20 % apart: steps to the least misfit of each would go apart.
+        let of = |stiffness_n_per_m: f64| {
+            let car = Kelvin { stiffness_n_per_m, ..KELVIN };
+            let at = |k: u32| car.state(SPEED, f64::from(k) * 1e-4).acceleration_m_per_s2;
+            let record = Sampled::new(0.0, 1e-4, (0..800).map(at).collect()).unwrap();
+            let (what, measurement) = ((None, FitQuantity::Acceleration), Measurement::of_samples(&record));
+            let wave = ObservedWave::new(&record, what, measurement, (0.005, 0.06), usize::MAX).unwrap();
+            Observation { impact_speed_m_per_s: SPEED, waves: vec![wave] }
+        };
         let model = Model::Kelvin(Kelvin { stiffness_n_per_m: 4.4e5, ..KELVIN });
-        let alone = Evidence::new(&[(one.clone(), 1.0)], &model, &FREE).unwrap();
-        let both = Evidence::new(&[(one.clone(), 1.0), (other, 2.0)], &model, &FREE).unwrap();
-        let count = alone.terms.len();
-        assert_eq!(both.terms.len(), 2 * count);
-        let half = both.sensitivity.rows(0, count) - both.sensitivity.rows(count, count) * 2.0;
-        assert!(half.norm() < 1e-9 * both.sensitivity.norm(), "{}", half.norm());
-        let known = variance(&one, 0.02);
-        let deviation = |evidence: &Evidence| evidence.deviations(known)[0].1;
-        assert!((deviation(&alone) / deviation(&both) / 1.25_f64.sqrt() - 1.0).abs() < 0.02);
+        let (soft, stiff) = (of(4e5), of(4.8e5));
+        let alone = |observed: &Observation| Evidence::new(&[(observed.clone(), 1.0)], &model, &FREE).unwrap();
+        let (a, b) = (alone(&soft), alone(&stiff));
+        let both = Evidence::new(&[(soft, 1.0), (stiff, 2.0)], &model, &FREE).unwrap();
+        let count = a.terms.len();
+        assert_eq!((both.terms.len(), both.sensitivity.ncols()), (2 * count, FREE.len() + 2));
+        // Each alone is brought to its own spring, both together to neither.
+        assert!(a.terms.norm() < 0.1 * both.terms.rows(0, count).norm());
+        assert!(b.terms.norm() < 0.1 * 2.0 * both.terms.rows(count, count).norm());
+        // The time zero of one record changes nothing of the other.
+        assert_eq!(both.sensitivity.column(FREE.len()).rows(count, count).norm(), 0.0);
+        assert_eq!(both.sensitivity.column(FREE.len() + 1).rows(0, count).norm(), 0.0);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The double model comes back from its own record.
 
-use crumple_lumped::{DoubleSpringMassDamper, Model, ModelKind};
+use crumple_lumped::{DoubleSpringMassDamper, MatchedSolution, Model, ModelKind};
 use crumple_lumped_fit::{
     AssessmentOptions, Candidate, Fit, MassDivisions, MassSplit, SolveError, SolveSettings, TestData, solve,
 };
@@ -103,12 +103,27 @@ fn known_records_give_their_parameters_and_the_dual() {
         assert_ne!(found.fit.stop_reason, StopReason::IterationLimit);
         // Its poles at other divisions of the mass; the dual has the same.
         let divisions = MassDivisions::of(&found.candidates[0]).unwrap();
-        let front = truth.m1_kg / (truth.m1_kg + truth.m2_kg);
-        let near = divisions.sweep.iter().filter(|(share, _)| (share - front).abs() < 0.02);
-        assert!(near.count() > 0 && divisions.largest_mass_ratio.unwrap() > truth.m2_kg / truth.m1_kg);
-        for (share, at) in divisions.sweep.iter().filter(|(share, _)| (share - front).abs() < 1e-9) {
-            let k1 = at.solutions.iter().map(|s| (s.k1_n_per_m.re / truth.k1_n_per_m - 1.0).abs());
-            assert!(k1.fold(f64::MAX, f64::min) < 1e-6, "{share}");
+        assert!(divisions.largest_mass_ratio.unwrap() > truth.m2_kg / truth.m1_kg);
+        let poles = |[m1, m2]: [f64; 2], s: &MatchedSolution| {
+            DoubleSpringMassDamper {
+                m1_kg: m1,
+                m2_kg: m2,
+                k1_n_per_m: s.k1_n_per_m.re,
+                k2_n_per_m: s.k2_n_per_m.re,
+                c1_n_s_per_m: s.c1_n_s_per_m.re,
+                c2_n_s_per_m: s.c2_n_s_per_m.re,
+            }
+            .characteristic_polynomial()
+        };
+        let (total, own) = (truth.m1_kg + truth.m2_kg, found.models[0].characteristic_polynomial());
+        let real = divisions.sweep.iter().flat_map(|(share, at)| at.solutions.iter().map(move |s| (share, s)));
+        let real: Vec<(&f64, &MatchedSolution)> = real.filter(|(_, s)| s.real).collect();
+        assert!(real.len() > 49);
+        for (share, solution) in real {
+            let of = poles([share * total, (1.0 - share) * total], solution);
+            let worst = of.iter().zip(&own).map(|(a, b)| (a / b - 1.0).abs()).fold(0.0, f64::max);
+            // Rounding of the certified roots by a condition up to 1e6.
+            assert!(worst < 1e-9, "{share}: {worst:e}");
         }
         assert!(MassDivisions::of(&found.candidates[1]).is_none());
         // Of a fit that stops on a bound the poles are those of the bound.

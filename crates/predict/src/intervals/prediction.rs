@@ -174,14 +174,15 @@ impl Impact<'_> {
         let partner_doubt = partner.as_ref().map_or_else(CrushUncertainty::default, |(tested, speed, _)| {
             crush_uncertainty(tested, (*speed, partner_kg, known), is_beyond[1], &wave, &outcome, Side::Partner)
         });
+        // Of the model in both, since it may miss its test by more than makes another place.
         let over_tested = |tested: &Tested<'_>, crush: Option<f64>| {
-            crush.zip(tested.test.made.get(Quantity::DynamicCrush)).map_or(Place::OwnTest, |(c, of)| Place::of(c / of))
+            Place::of(crush.zip(tested.own.outcome.get(Quantity::DynamicCrush)).map(|(crush, tested)| crush / tested))
         };
         let places = [
             over_tested(self.tested, outcome.get(Quantity::DynamicCrush)),
             partner
                 .as_ref()
-                .map_or(Place::OwnTest, |(tested, ..)| over_tested(tested, outcome.get(Quantity::PartnerCrush))),
+                .map_or(Place::Beyond, |(tested, ..)| over_tested(tested, outcome.get(Quantity::PartnerCrush))),
         ];
         let of = |quantity: Quantity, crush_deviation: f64| {
             let value = mixed.get(quantity)?;

@@ -119,9 +119,12 @@ pub(crate) struct Ways {
     pub of_filtered_m: f64,
     pub of_recorded_m: f64,
     pub largest_m: f64,
+    /// What three deviations of the zero level add until then.
+    pub by_zero_level_m: f64,
 }
 
-/// The ways of a record and of what was made of it, from contact at this speed, m/s.
+/// The ways of a record and of what was made of it, from contact to the largest of the record. Both start with this
+/// speed, m/s.
 pub(crate) fn ways(recorded: &Sampled, filtered: &Sampled, speed: f64) -> Option<Ways> {
     let to_s = PULSE_S.min(end_of(recorded)).min(end_of(filtered));
     let from_s = recorded.t0_s().max(filtered.t0_s()).max(0.0);
@@ -133,10 +136,12 @@ pub(crate) fn ways(recorded: &Sampled, filtered: &Sampled, speed: f64) -> Option
     };
     let (of_recorded, of_filtered) = (way(recorded, level_taken_out(recorded, filtered))?, way(filtered, 0.0)?);
     let at = |way: &Running, t| way.over(from_s, t);
-    let largest_m = times(recorded, from_s, to_s).filter_map(|t| at(&of_recorded, t)).fold(0.0, f64::max);
+    let largest = times(recorded, from_s, to_s).filter_map(|t| Some((t, at(&of_recorded, t)?)));
+    let (end_s, largest_m) = largest.max_by(|a, b| a.1.total_cmp(&b.1))?;
     let (time_s, of_filtered_m, of_recorded_m) =
-        farthest(times(recorded, from_s, to_s), |t| at(&of_filtered, t), |t| at(&of_recorded, t))?;
-    Some(Ways { time_s, of_filtered_m, of_recorded_m, largest_m })
+        farthest(times(recorded, from_s, end_s), |t| at(&of_filtered, t), |t| at(&of_recorded, t))?;
+    let by_zero_level_m = 1.5 * level_of(recorded).1 * (time_s - from_s).powi(2);
+    Some(Ways { time_s, of_filtered_m, of_recorded_m, largest_m, by_zero_level_m })
 }
 
 /// Fewest samples that show a zero level.

@@ -2,10 +2,10 @@
 
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{EventsV1, MetricsV2, TestV1};
-use crumple_signal::{About, Sampled};
+use crumple_signal::{About, Sampled, TestDescription};
 
 use crate::joints::curves::{Running, end_of, farthest, range, times, value_at};
-use crate::joints::{BESIDE, Finding, Invariant, RunParts, is_outside, record};
+use crate::joints::{BESIDE, Finding, Invariant, RunParts, is_outside, pulse_of, record};
 
 /// What every row of integrals says to do.
 const INTEGRATE: &str = "integrate in m, s and kg in the program of the stage integrate";
@@ -116,8 +116,8 @@ pub(crate) static ROWS: [Invariant; 9] = [
         ends_the_run: true,
         explanation: [
             "A motion was integrated, and nobody says what its events are.",
-            "/events is looked for beside /wave/PULSE/displacement in 3-integrate, where /test has mass and impact \
-             speed.",
+            "/events is looked for beside /wave/PULSE/displacement in 3-integrate of a vehicle that /test gives a mass \
+             and an impact speed.",
             "Without contact, crush and its time nothing can be fitted.",
             "write /events in the program of the stage integrate: CONTRACT.md of crumple new-stage integrate lists it",
         ],
@@ -170,13 +170,14 @@ const OF_DISPLACEMENT: f64 = 0.02;
 fn has_no_events(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some(artifact) = parts.of("integrate") else { return Vec::new() };
     let has = |topic: &str| artifact.records().iter().any(|raw| raw.topic == topic);
-    // Of a component without speed and mass there are none.
-    let is_of_a_crash =
-        record::<TestV1>(artifact, "/test").is_some_and(|test| test.mass_kg.and(test.impact_speed_m_per_s).is_some());
-    let is_needed = is_of_a_crash && !has("/events") && !has("/diagnosis");
-    let Some(id) = artifact.waves().keys().find(|id| id.ends_with("/displacement")).filter(|_| is_needed) else {
+    let Some(test) = record::<TestV1>(artifact, "/test") else { return Vec::new() };
+    let Some(id) = pulse_of(&test).map(|pulse| format!("{pulse}/displacement")) else { return Vec::new() };
+    // A component, a sled and what is struck at rest have none.
+    let moves = test.mass_kg.is_some() && test.impact_speed_m_per_s.is_some_and(|speed| speed > 0.0);
+    let has_structure = TestDescription::try_from(test).is_ok_and(|test| test.has_structure());
+    if !(moves && has_structure && artifact.waves().contains_key(&id)) || has("/events") || has("/diagnosis") {
         return Vec::new();
-    };
+    }
     let text = format!("there is the wave {id}, and no record /events");
     vec![Finding { stage: "integrate", about: About::Motion, values: Vec::new(), text }]
 }

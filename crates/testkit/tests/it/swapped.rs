@@ -217,6 +217,12 @@ fn solutions_and_answers() {
     check(SOLUTIONS.map(|(mode, end)| ("parameter-solve", mode, end)).into_iter().chain(ANSWERS));
 }
 
+#[test]
+fn what_a_recommended_candidate_may_miss_is_that_of_the_choice() {
+    let limit = crumple_lumped_fit::SelectionRules::default().crush_limit_percent;
+    assert!((100.0 * crumple_stage::joints::candidates::ADEQUATE - limit).abs() < 1e-12);
+}
+
 /// Records that end in the pulse, in the rebound and at rest, with ringing and without: nothing is said of the filter.
 #[test]
 fn the_stages_of_the_project_contradict_nothing() {

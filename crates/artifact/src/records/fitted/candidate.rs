@@ -30,8 +30,8 @@ pub struct CandidateV1 {
     /// The candidate beside the test; `null`: nobody has compared it yet, or it is of several tests.
     #[serde(default)]
     pub evaluation: Option<EvaluationV1>,
-    /// Of a fitted double model the sets with its poles over the division of its mass; `null` of any other, and where
-    /// the fit stopped on a bound, whose poles are not the record's.
+    /// Of a fitted double model the sets with its poles over the division of its mass; `null` of any other, of the
+    /// second of two duals, and where the fit stopped on a bound other than zero, so that the poles are the bound's.
     #[serde(default)]
     pub mass_divisions: Option<MassDivisionsV1>,
 }

@@ -52,10 +52,12 @@ pub fn concerns(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<ConcernV1> {
     all.retain(|concern| kind != Kind::InputOutput || is_asked(concern));
     // The sort is stable: equals stay in the order of the stages.
     all.sort_by_key(|concern| (!concern.is_no_result(), std::cmp::Reverse(concern.weight), order_of(&concern.about)));
+    let mut all = one_each_first(all);
     // What else is said follows from what contradicts itself.
-    let after_the_diagnoses = all.partition_point(ConcernV1::is_no_result);
-    all.splice(after_the_diagnoses..after_the_diagnoses, run.remarks.iter().map(|r| of_remark(r, run, ranking, kind)));
-    one_each_first(all)
+    let remarks = run.remarks.iter().map(|remark| of_remark(remark, run, ranking, kind)).filter(is_asked);
+    let after_the_diagnoses = all.iter().take_while(|concern| concern.is_no_result()).count();
+    all.splice(after_the_diagnoses..after_the_diagnoses, remarks);
+    all
 }
 
 /// Of the gravest ones those that concern different things come first.

@@ -67,7 +67,7 @@ impl<'a> Divisions<'a> {
     /// point of the sweep, or on the computed bound where that lies between the two.
     pub fn feasible_ranges(&self) -> Vec<(f64, f64)> {
         let mut points: Vec<(f64, bool)> = Vec::new();
-        for solution in self.sweep.iter() {
+        for solution in self.sweep {
             match points.iter_mut().find(|(at, _)| *at == ratio(solution)) {
                 Some((_, physical)) => *physical |= solution.physical,
                 None => points.push((ratio(solution), solution.physical)),
