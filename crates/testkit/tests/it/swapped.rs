@@ -147,8 +147,11 @@ const ANSWERS: [(&str, &str, End); 7] = [
     ("predict", "no speed", Refused("CR702")),
 ];
 
-/// Runs the fixture with a stage swapped and says in what its end differs from what it has to be.
-fn difference(stage: &str, mode: &str, end: End) -> Option<String> {
+/// Records that every stage is swapped for: a curve that unloads, a spring with a damper.
+const FIXTURES: [&str; 2] = ["elastoplastic", "kelvin"];
+
+/// Runs a fixture with a stage swapped and says in what its end differs from what it has to be.
+fn difference(fixture: &str, (stage, mode, end): (&str, &str, End)) -> Option<String> {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/it/swapped_stages.py");
     let folder = tempfile::tempdir().unwrap();
     let programs = binary("crumple").parent().unwrap().to_owned();
@@ -156,7 +159,7 @@ fn difference(stage: &str, mode: &str, end: End) -> Option<String> {
     let paths = std::env::join_paths(std::iter::once(programs.clone()).chain(std::env::split_paths(&path))).unwrap();
     let ended = Command::new(programs.join("crumple"))
         .arg("run")
-        .arg(workspace().join("fixtures/elastoplastic/crash.csv"))
+        .arg(workspace().join("fixtures").join(fixture).join("crash.csv"))
         .arg("--project")
         .arg(workspace())
         .args(["--stage", &format!("{stage}=python3 '{}' '{stage}:{mode}'", script.display()), "--out"])
@@ -175,7 +178,7 @@ fn difference(stage: &str, mode: &str, end: End) -> Option<String> {
         |place: &str, text: &str| said.contains(&format!("{place}. {}", text.chars().take(40).collect::<String>()));
     let is_as_asked = match end {
         Right => {
-            let golden = workspace().join("fixtures/elastoplastic/golden/summary.json");
+            let golden = workspace().join("fixtures").join(fixture).join("golden/summary.json");
             let golden: Value = serde_json::from_str(&std::fs::read_to_string(golden).unwrap()).unwrap();
             let crush = number(&golden, &["events", "dynamic_crush_m"]);
             code == 0
@@ -187,13 +190,13 @@ fn difference(stage: &str, mode: &str, end: End) -> Option<String> {
         Without(word) => [0, 4].contains(&code) && summary["recommended"].is_null() && said.contains(word),
         Stopped(word) => ![0, 4].contains(&code) && said.contains(word),
     };
-    (!is_as_asked).then(|| format!("{stage} {mode}: {end:?}, exit {code}, {remarks:?}\n{said}\n"))
+    (!is_as_asked).then(|| format!("{fixture}: {stage} {mode}: {end:?}, exit {code}, {remarks:?}\n{said}\n"))
 }
 
 fn check(runs: impl IntoIterator<Item = (&'static str, &'static str, End)>) {
     use rayon::prelude::*;
-    let runs: Vec<_> = runs.into_iter().collect();
-    let differ: Vec<String> = runs.par_iter().filter_map(|(stage, mode, end)| difference(stage, mode, *end)).collect();
+    let runs: Vec<_> = runs.into_iter().flat_map(|run| FIXTURES.map(|fixture| (fixture, run))).collect();
+    let differ: Vec<String> = runs.par_iter().filter_map(|(fixture, run)| difference(fixture, *run)).collect();
     assert!(differ.is_empty(), "{} of {}\n{}", differ.len(), runs.len(), differ.join("\n"));
 }
 
