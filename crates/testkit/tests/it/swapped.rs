@@ -150,8 +150,20 @@ const ANSWERS: [(&str, &str, End); 7] = [
 /// Records that every stage is swapped for: a curve that unloads, a spring with a damper.
 const FIXTURES: [&str; 2] = ["elastoplastic", "kelvin"];
 
+/// What ends otherwise where the force is largest at contact, and the deceleration below 20 g: a delay moves change of
+/// velocity out of the record, half of the pulse is more than half of it, and nothing is clipped.
+const OF_KELVIN: [(&str, End); 5] = [
+    ("late 20", Warned("CR207")),
+    ("stated late", Warned("CR207")),
+    ("clip", Right),
+    ("half", Refused("CR204")),
+    ("100 ms wide", Warned("CR207")),
+];
+
 /// Runs a fixture with a stage swapped and says in what its end differs from what it has to be.
 fn difference(fixture: &str, (stage, mode, end): (&str, &str, End)) -> Option<String> {
+    let other = OF_KELVIN.iter().find(|(other, _)| (fixture, stage, *other) == ("kelvin", "filter", mode));
+    let end = other.map_or(end, |(_, other)| *other);
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/it/swapped_stages.py");
     let folder = tempfile::tempdir().unwrap();
     let programs = binary("crumple").parent().unwrap().to_owned();

@@ -265,7 +265,7 @@ def changed():
                 data["impact_speed_m_per_s"] *= -1
             if what == "more":
                 data["dynamic_crush_m"] *= 1.2
-                for interval in data["intervals"]:
+                for interval in (i for i in data["intervals"] if i["name"] == "dynamic_crush_m"):
                     interval.update(low=interval["low"] * 1.2, high=interval["high"] * 1.2)
         if what == "own, stiffer" and line["topic"].startswith("/parameters/"):
             numbers = data["parameters"]

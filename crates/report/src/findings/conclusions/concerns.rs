@@ -48,8 +48,10 @@ pub fn concerns(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<ConcernV1> {
         all.push(concern("report", about, weight, text, run, ranking, kind));
     }
     // Of another record nobody asks for the mass of a vehicle.
-    let is_asked = |concern: &ConcernV1| !concern.about.parse().is_ok_and(|about| is_of_a_crash(&about));
-    all.retain(|concern| kind != Kind::InputOutput || is_asked(concern));
+    let is_asked = |concern: &ConcernV1| {
+        kind != Kind::InputOutput || !concern.about.parse().is_ok_and(|about| is_of_a_crash(&about))
+    };
+    all.retain(is_asked);
     // The sort is stable: equals stay in the order of the stages.
     all.sort_by_key(|concern| (!concern.is_no_result(), std::cmp::Reverse(concern.weight), order_of(&concern.about)));
     let mut all = one_each_first(all);
