@@ -43,6 +43,7 @@
 mod candidate;
 mod chain;
 mod closed_form;
+mod comparison;
 mod coordinates;
 mod error;
 mod evaluation;
@@ -76,7 +77,6 @@ mod selection {
 
     pub mod choice;
     pub mod compared;
-    pub mod comparison;
     pub mod evidence;
     pub mod other_speeds;
     pub mod rating;
@@ -110,6 +110,7 @@ pub use chain::{Stated, StatedChain, StatedElement, StatedMass};
 pub use closed_form::{
     KelvinBranch, MaxwellExponents, centroid_to_crush_time_ratio, elastoplastic_from_events, kelvin_from_events,
 };
+pub use comparison::{Comparison, EvaluatedCandidate, KnownNumbers, Solution};
 pub use coordinates::MassFit;
 pub use crumple_signal::Measurement;
 pub use error::SolveError;
@@ -129,7 +130,6 @@ pub use record::observation::{Impact, MeasureModel, Observation, ObservedWave};
 pub use record::sensor::{FitQuantity, Sensor, SensorFit, SensorPlace, TestData, WallForce};
 pub use selection::choice::{Choice, Strength};
 pub use selection::compared::{ComparedCandidate, EnergyClass, SelectionRules, depends_on_rate};
-pub use selection::comparison::{Comparison, EvaluatedCandidate, KnownNumbers, Solution};
 pub use selection::rating::Rated;
 pub use solvers::closed_forms::{ONE_MASS_RATE_S_PER_M, RATE_PRIOR_S_PER_M};
 pub use solvers::table::{SolveSettings, solve};

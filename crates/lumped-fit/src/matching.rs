@@ -90,8 +90,8 @@ pub struct MassDivisions {
 }
 
 impl MassDivisions {
-    /// Of a double model that was fitted. `None` of any other; where the fit stopped on a bound other than zero, so that
-    /// the poles are those of the bound; and of a dual, which has the poles of the candidate before it.
+    /// Of a double model that was fitted. `None` of any other; where the fit stopped on a bound other than zero, whose
+    /// poles are those of the bound; and of a dual, which has the poles of the candidate before it.
     pub fn of(candidate: &Candidate) -> Option<Self> {
         let Model::DoubleSpringMassDamper(model) = &candidate.model else { return None };
         let bounds = &candidate.fit.as_ref()?.active_bounds;

@@ -85,7 +85,7 @@ pub(crate) static ROWS: [Invariant; 10] = [
             "crush_error of its evaluation, else of its rating, says what crush it has at the speed of the test; its \
              simulated crush is compared with that, and 1 % is left. Not asked where something else than the impact \
              moves the model.",
-            "Its agreement with the test, and that it is recommended, are those of other parameters, or its curves are.",
+            "Its agreement with the test, or else its curves, are those of other parameters.",
             "evaluate and simulate the parameters that are written, at the speed of the test",
         ],
         find: evaluated_with_others,

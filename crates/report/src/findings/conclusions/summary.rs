@@ -280,11 +280,9 @@ pub fn summary(run: &Run, ranking: &Ranking) -> Summary {
     }
 }
 
-/// A simulation without what is drawn alone, which its artifact has: the autocorrelation of the residual and the band.
-fn without_courses(mut simulation: SimulationV1) -> SimulationV1 {
-    simulation.residual.iter_mut().for_each(|residual| residual.autocorrelation.clear());
-    simulation.band = None;
-    simulation
+/// A simulation without what its artifact has for pictures: the residual with its autocorrelation, and the band.
+fn without_pictures(simulation: SimulationV1) -> SimulationV1 {
+    SimulationV1 { residual: None, band: None, ..simulation }
 }
 
 fn candidate_summary(run: &Run, candidate: &CandidateResult) -> CandidateSummary {
@@ -295,7 +293,7 @@ fn candidate_summary(run: &Run, candidate: &CandidateResult) -> CandidateSummary
         difference_with_priors: rated.and_then(|rated| rated.difference_with_priors),
         id: candidate.id.clone(),
         certainties: candidate.certainties(),
-        simulation: candidate.simulation.clone().map(without_courses),
+        simulation: candidate.simulation.clone().map(without_pictures),
         model: record.model,
         method: record.method,
         parameters: record.parameters,
