@@ -49,7 +49,7 @@ pub struct Rated {
     pub is_compared: bool,
     /// Root mean square misfit, unit of the record.
     pub misfit: Option<f64>,
-    /// Score without priors, see [`crate::Evidence::score`].
+    /// Score without priors, see `Evidence::score`.
     pub score: Option<f64>,
     /// The same above the lowest of the compared.
     pub difference: Option<f64>,
