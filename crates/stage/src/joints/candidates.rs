@@ -158,7 +158,9 @@ fn parameter_outside(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some(artifact) = parts.of("parameter-solve") else { return Vec::new() };
     for (id, candidate) in records::<CandidateV1>(artifact, "/parameters/") {
         let Some(uncertainty) = &candidate.uncertainty else { continue };
-        for (name, value) in &candidate.parameters {
+        // A value on a bound of its search is beside the least misfit, which its interval is of.
+        let bounds = candidate.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
+        for (name, value) in candidate.parameters.iter().filter(|(name, _)| !bounds.contains(*name)) {
             let end = |ends: &std::collections::BTreeMap<String, Option<f64>>| ends.get(name).copied().flatten();
             let Some((low, high)) = end(&uncertainty.interval_low).zip(end(&uncertainty.interval_high)) else {
                 continue;
