@@ -267,15 +267,13 @@ fn check_files(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
                 say(format_args!("error: {fault}"));
             }
         }
-        let is_folder = path.is_dir();
-        for fault in artifacts.iter().filter(|_| is_folder).filter_map(|artifact| missing_input(artifact, &artifacts)) {
+        let faults = if is_sound { faults_together(&artifacts, path.is_dir()) } else { Vec::new() };
+        for fault in &faults {
             status = ExitStatus::Refused;
             say(format_args!("error: {fault}"));
         }
-        if is_sound && let Err(mixture) = refuse_a_mixture(&artifacts, |artifact| artifact.path().display().to_string())
-        {
-            status = ExitStatus::Refused;
-            say(format_args!("error: {mixture}"));
+        if !faults.is_empty() {
+            continue;
         }
         for found in contradictions(&artifacts) {
             if found.ends_the_run {
@@ -285,6 +283,14 @@ fn check_files(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
         }
     }
     Ok(status)
+}
+
+/// Why artifacts are not those of one run: each that a folder lacks, results that were not made from each other. What
+/// such artifacts contradict each other in is not a fault of who wrote them.
+fn faults_together(artifacts: &[Artifact], is_folder: bool) -> Vec<String> {
+    let name = |artifact: &Artifact| artifact.path().display().to_string();
+    let missing = artifacts.iter().filter(|_| is_folder).filter_map(|artifact| missing_input(artifact, artifacts));
+    missing.chain(refuse_a_mixture(artifacts, name).err().map(|mixture| mixture.to_string())).collect()
 }
 
 /// What an artifact of a run folder was made from and is not there.
@@ -311,6 +317,10 @@ fn explain(words: &[PathBuf]) -> anyhow::Result<ExitStatus> {
     let mut here = Vec::new();
     if let Some(run) = run {
         let artifacts = artifacts_of_a_run(run)?.iter().map(|path| open(path)).collect::<Result<Vec<_>, _>>()?;
+        if let Some(fault) = faults_together(&artifacts, true).into_iter().next() {
+            let hint = format!("{} makes the run again", program("run"));
+            return Err(Refused::new(fault).expected("the artifacts of one run").hint(hint).into());
+        }
         here = contradictions(&artifacts).into_iter().filter(is_asked).collect();
     }
     let rows: Vec<&Invariant> = match &code {

@@ -195,7 +195,7 @@ pub(crate) fn contradicts(stage: &Stage, new: &Path, folder: &Path) -> bool {
     let found: Vec<Contradiction> = found.collect();
     let name = |artifact: &Artifact| artifact.path().file_name().unwrap_or_default().display().to_string();
     let mixture = refuse_a_mixture(&artifacts, name).err();
-    if let Some(mixture) = &mixture {
+    if let Some(mixture) = mixture.as_ref().filter(|_| found.is_empty()) {
         say(format_args!("error: {mixture}"));
         say(format_args!("  written by: {}", stage.program.typed));
     }

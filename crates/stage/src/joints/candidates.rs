@@ -2,7 +2,7 @@
 
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{CandidateV1, EventsV1, PredictionV1, RecommendationV1, SimulationV1, TestV1};
-use crumple_signal::About;
+use crumple_signal::{About, Weight};
 
 use crate::joints::curves::value_at;
 use crate::joints::{BESIDE, Finding, Invariant, RunParts, is_outside, record, records};
@@ -12,6 +12,7 @@ pub(crate) static ROWS: [Invariant; 10] = [
     Invariant {
         code: "CR501",
         ends_the_run: false,
+        weight: Weight::Decisive,
         explanation: [
             "The masses of a candidate do not add up to that of the test.",
             "mass_kg, or m1_kg, m2_kg, ... of a candidate are compared with the mass of /test; 0.5 % is left.",
@@ -24,6 +25,7 @@ pub(crate) static ROWS: [Invariant; 10] = [
     Invariant {
         code: "CR502",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "A parameter lies outside of its own interval.",
             BESIDE,
@@ -35,6 +37,7 @@ pub(crate) static ROWS: [Invariant; 10] = [
     Invariant {
         code: "CR503",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "A candidate is recommended that is not there.",
             "The ids of /recommendation are looked for below /parameters/.",
@@ -46,6 +49,7 @@ pub(crate) static ROWS: [Invariant; 10] = [
     Invariant {
         code: "CR601",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "The dynamic crush of a simulation is not that of its curve.",
             "The curve is read at the stated time; 1 % and 1 mm are left.",
@@ -57,6 +61,7 @@ pub(crate) static ROWS: [Invariant; 10] = [
     Invariant {
         code: "CR602",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "A simulation or a prediction is of a candidate that is not there.",
             "Its id is looked for below /parameters/ of 5-parameter-solve; a chain of the pipeline needs none.",
@@ -68,6 +73,7 @@ pub(crate) static ROWS: [Invariant; 10] = [
     Invariant {
         code: "CR603",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "A candidate is recommended that does not repeat its own test.",
             "Its simulated dynamic crush is compared with that of /events, where the recommendation does not rate it; \
@@ -80,6 +86,7 @@ pub(crate) static ROWS: [Invariant; 10] = [
     Invariant {
         code: "CR604",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "A candidate was compared with the test with other parameters than it was simulated with.",
             "crush_error of its evaluation, else of its rating, says what crush it has at the speed of the test; its \
@@ -93,6 +100,7 @@ pub(crate) static ROWS: [Invariant; 10] = [
     Invariant {
         code: "CR701",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "A prediction lies outside of its own interval.",
             BESIDE,
@@ -104,6 +112,7 @@ pub(crate) static ROWS: [Invariant; 10] = [
     Invariant {
         code: "CR702",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "Impact speed and mass of a prediction are no speed and no mass.",
             "Both are to be above zero.",
@@ -115,6 +124,7 @@ pub(crate) static ROWS: [Invariant; 10] = [
     Invariant {
         code: "CR703",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "The prediction for the test's own speed and mass is not its crush.",
             "Predictions of an adequate candidate within 0.5 % of speed and mass of the test are compared with the \

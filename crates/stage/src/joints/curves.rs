@@ -158,10 +158,11 @@ pub(crate) fn mean_and_deviation(samples: &[f64]) -> (f64, f64) {
     (mean, (variance / count).sqrt())
 }
 
-/// By how much `late` lies behind `curve`, s: the difference of the ways that both add, over the change of velocity.
+/// By how much `late` lies behind `curve`, s: the difference of the ways that both add, each over its change of velocity.
 ///
-/// A delay of `τ` takes `τ Δv` off the way. A filter without phase keeps the moment of a pulse, whatever its width, and
-/// what the end of a record cuts off has added no way yet. `None` where the change of velocity is small.
+/// A delay of `τ` takes `τ Δv` off the way. A filter without phase keeps the moment of a pulse, whatever its width, a
+/// gain changes way and velocity alike, and what the end of a record cuts off has added no way yet. `None` where a
+/// change of velocity is small.
 pub(crate) fn delay_s(curve: &Sampled, late: &Sampled) -> Option<f64> {
     let from_s = curve.t0_s().min(late.t0_s());
     let to_s = PULSE_S.min(end_of(curve)).min(end_of(late));
@@ -169,10 +170,12 @@ pub(crate) fn delay_s(curve: &Sampled, late: &Sampled) -> Option<f64> {
     let change = running.over(curve.t0_s(), to_s)?;
     let largest = times(curve, curve.t0_s(), to_s).filter_map(|t| running.over(curve.t0_s(), t));
     let largest = largest.fold(0.0_f64, |largest, change| largest.max(change.abs()));
-    if !(to_s > 0.0 && change.abs() > KEPT * largest) {
+    let of_late = Running::of(late).over(late.t0_s(), to_s)?;
+    if !(to_s > 0.0 && change.abs() > KEPT * largest && of_late.abs() > KEPT * largest) {
         return None;
     }
     // A zero level that was taken out is no delay.
     let level = level_taken_out(curve, late);
-    Some((moment(curve, from_s, to_s, level) - moment(late, from_s, to_s, 0.0)) / (change - level * (to_s - from_s)))
+    let own = moment(curve, from_s, to_s, level) / (change - level * (to_s - from_s));
+    Some(own - moment(late, from_s, to_s, 0.0) / of_late)
 }

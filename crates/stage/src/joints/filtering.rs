@@ -1,7 +1,7 @@
 //! Rows of the joint of filter: what it made of the record.
 
 use crumple_artifact::records::TestV1;
-use crumple_signal::{About, QuantityKind, Sampled};
+use crumple_signal::{About, QuantityKind, Sampled, Weight};
 
 use crate::joints::curves::{Running, Ways, delay_s, end_of, mean_and_deviation, times, value_at, ways};
 use crate::joints::{Finding, Invariant, RunParts, pulse_of, record};
@@ -11,6 +11,7 @@ pub(crate) static ROWS: [Invariant; 9] = [
     Invariant {
         code: "CR201",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "The filtered pulse begins before the record does and is early, or begins after contact where the record \
              begins before it.",
@@ -25,24 +26,28 @@ pub(crate) static ROWS: [Invariant; 9] = [
     Invariant {
         code: "CR202",
         ends_the_run: false,
+        weight: Weight::Marked,
         explanation: [
-            "The filtered pulse ends before the record does.",
-            "The last samples are compared; one sampling interval of the coarser one is left.",
-            "What happens later is not in any result: rebound, delta-v and the end of contact may be missing.",
-            "write all samples of the pulse in the program of the stage filter",
+            "The filtered pulse ends elsewhere than the record does.",
+            "The last samples are compared; 5 ms and one sampling interval of the coarser one are left: a filter whose \
+             delay was taken off ends as much earlier.",
+            "What happens later is not in any result, or what never happened is: another number of samples, or another \
+             sampling interval, was written.",
+            "write all samples of the pulse, with their dt_s, in the program of the stage filter",
         ],
-        find: ends_early,
+        find: ends_elsewhere,
     },
     Invariant {
         code: "CR203",
         ends_the_run: false,
+        weight: Weight::Decisive,
         explanation: [
-            "The filtered pulse is late: its filter has a delay.",
-            "The ways that both add up to 150 ms are compared: a delay takes the change of velocity times itself off. \
-             A filter run forward and backward has none (ISO 6487 and SAE J211 ask for that); more than one sampling \
+            "The filtered pulse is late or early: its filter has a delay, or its time axis begins elsewhere.",
+            "The ways that both add up to 150 ms, each over its change of velocity, are compared: a delay takes itself \
+             off, and a gain nothing. A filter run forward and backward has none (ISO 6487 and SAE J211 ask for that); more than one sampling \
              interval and 1 ms are named: noise and zero levels of made records come to 0.4 ms. Not asked where CR204 \
              or CR207 is.",
-            "Contact seems later than it was: the crush is too large by the impact speed times the delay.",
+            "The crush is off by the impact speed times the delay: too large where the pulse is late.",
             "run the filter forward and backward (filtfilt for lfilter), or take its delay off t0_ns",
         ],
         find: is_late,
@@ -50,6 +55,7 @@ pub(crate) static ROWS: [Invariant; 9] = [
     Invariant {
         code: "CR204",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "The filtered pulse changes the velocity by less than half of what the record does, by more than twice as \
              much, or the other way.",
@@ -62,6 +68,7 @@ pub(crate) static ROWS: [Invariant; 9] = [
     Invariant {
         code: "CR205",
         ends_the_run: false,
+        weight: Weight::Marked,
         explanation: [
             "Every channel that the record had is marked as failed after the filter.",
             "The states of the channels in both /test are compared.",
@@ -73,6 +80,7 @@ pub(crate) static ROWS: [Invariant; 9] = [
     Invariant {
         code: "CR206",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "The filter changed the mass or the impact speed of the test.",
             "Both are compared in the /test of 1-ingest and 2-filter.",
@@ -84,6 +92,7 @@ pub(crate) static ROWS: [Invariant; 9] = [
     Invariant {
         code: "CR207",
         ends_the_run: false,
+        weight: Weight::Decisive,
         explanation: [
             "The filtered pulse changes the velocity by another amount than the record.",
             "Both are integrated over the record. A low-pass filter keeps the area; what a zero level between none and \
@@ -98,6 +107,7 @@ pub(crate) static ROWS: [Invariant; 9] = [
     Invariant {
         code: "CR208",
         ends_the_run: false,
+        weight: Weight::Decisive,
         explanation: [
             "The filter is so slow that the way of the vehicle is another one.",
             "Both pulses are integrated twice from the impact speed up to the largest displacement, 150 ms at most, \
@@ -113,10 +123,11 @@ pub(crate) static ROWS: [Invariant; 9] = [
     Invariant {
         code: "CR209",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "No acceleration is left after the filter.",
-            "1-ingest has the wave of the pulse, and 2-filter no wave of an acceleration; one that ended without a \
-             result says so itself.",
+            "1-ingest has the wave of the pulse, and 2-filter no wave of an acceleration under the id of a channel; one \
+             that ended without a result says so itself.",
             "Nothing can be integrated.",
             "write the filtered samples under the id of the pulse in the program of the stage filter",
         ],
@@ -171,10 +182,13 @@ fn begins_elsewhere(parts: &RunParts<'_>) -> Vec<Finding> {
     finding(About::Time, vec![("filtered_from_s", filtered_s), ("recorded_from_s", recorded_s)], text)
 }
 
-fn ends_early(parts: &RunParts<'_>) -> Vec<Finding> {
+/// By how much a pulse may end beside the record, s.
+const END_S: f64 = 5e-3;
+
+fn ends_elsewhere(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some(pulse) = Pulse::of(parts) else { return Vec::new() };
     let (recorded_s, filtered_s) = (end_of(pulse.recorded), end_of(pulse.filtered));
-    if filtered_s >= recorded_s - pulse.coarser_s() {
+    if (filtered_s - recorded_s).abs() <= END_S + pulse.coarser_s() {
         return Vec::new();
     }
     let text =
@@ -230,12 +244,18 @@ fn is_gone(parts: &RunParts<'_>) -> Vec<Finding> {
     let (Some(ingested), Some(made)) = (parts.of("ingest"), parts.of("filter")) else { return Vec::new() };
     let Some(test) = record::<TestV1>(ingested, "/test") else { return Vec::new() };
     let Some(id) = pulse_of(&test).filter(|id| ingested.waves().contains_key(*id)) else { return Vec::new() };
-    // Another channel may be the pulse of the stages behind it.
-    let is_left = made.waves().values().any(|wave| wave.quantity == QuantityKind::Acceleration);
+    // Another channel of the test may be the pulse of the stages behind it.
+    let is_listed = |id: &String| test.channels.iter().any(|channel| channel.id == *id);
+    let mut accelerations = made.waves().iter().filter(|(_, wave)| wave.quantity == QuantityKind::Acceleration);
+    let is_left = accelerations.any(|(id, _)| is_listed(id));
     if is_left || made.records().iter().any(|raw| raw.topic == "/diagnosis") {
         return Vec::new();
     }
-    finding(About::Pulse, Vec::new(), format!("channel {id} is the pulse, and no wave of an acceleration is there"))
+    finding(
+        About::Pulse,
+        Vec::new(),
+        format!("channel {id} is the pulse, and no channel has a wave of an acceleration"),
+    )
 }
 
 /// Share of a change of velocity that the ends of a filter may alter.

@@ -22,6 +22,8 @@ pub struct Invariant {
     pub code: &'static str,
     /// Whether nothing can be made from what contradicts itself; else it is a warning.
     pub ends_the_run: bool,
+    /// What becomes of the results where it is a warning.
+    pub weight: Weight,
     /// What was found, how it is decided with its threshold and source, what it means for the result, what to do.
     pub explanation: [&'static str; 4],
     /// Looks at one run.
@@ -46,6 +48,8 @@ pub struct Contradiction {
     pub code: &'static str,
     /// Whether nothing can be made from it.
     pub ends_the_run: bool,
+    /// What becomes of the results where it is a warning.
+    pub weight: Weight,
     /// The stage that wrote what contradicts.
     pub stage: &'static str,
     /// What it concerns.
@@ -76,6 +80,7 @@ pub fn contradictions(artifacts: &[Artifact]) -> Vec<Contradiction> {
         (row.find)(&parts).into_iter().map(|finding| Contradiction {
             code: row.code,
             ends_the_run: row.ends_the_run,
+            weight: row.weight,
             stage: finding.stage,
             about: finding.about,
             values: finding.values,
@@ -105,13 +110,13 @@ impl Contradiction {
         format!("{how}: {}: {} [{}]\n  hint: {}", self.file(artifacts), self.text, self.code, self.remedy)
     }
 
-    /// As a warning of a run, which a program reads by its code: numbers may be off by more than their intervals say.
+    /// As a warning of a run, which a program reads by its code.
     pub fn remark(&self) -> RemarkV1 {
         RemarkV1 {
             code: self.code.to_owned(),
             stage: self.stage.to_owned(),
             about: self.about.to_string(),
-            weight: Weight::Marked.number(),
+            weight: self.weight.number(),
             values: self.values.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect(),
             text: self.text.clone(),
             remedy: Some(self.remedy.to_owned()),

@@ -3,7 +3,7 @@
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{IdentificationV1, ModeV1, ModesV2, StateSpaceV1, TransferFunctionV1};
 use crumple_numerics::lti::{Complex, eigenvalues};
-use crumple_signal::About;
+use crumple_signal::{About, Weight};
 use nalgebra::DMatrix;
 
 use crate::joints::{Finding, Invariant, RunParts, records};
@@ -13,6 +13,7 @@ pub(crate) static ROWS: [Invariant; 4] = [
     Invariant {
         code: "CR401",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "The matrices of a model do not fit together.",
             "A model of order n has a of n rows of n numbers, b of n rows, c of n columns, d as many rows as c and as \
@@ -25,6 +26,7 @@ pub(crate) static ROWS: [Invariant; 4] = [
     Invariant {
         code: "CR402",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "A mode is no pole of its model.",
             "Each mode is compared with the eigenvalues of a; of a sampled model they are ln(z)/T. 1 % of the pole is \
@@ -37,6 +39,7 @@ pub(crate) static ROWS: [Invariant; 4] = [
     Invariant {
         code: "CR403",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "Frequency or damping of a mode are not those of its pole.",
             "The natural frequency is |p| in rad/s, the damping ratio -Re p/|p| (docs/format.md, Modes); 1 % and 0.01 \
@@ -49,6 +52,7 @@ pub(crate) static ROWS: [Invariant; 4] = [
     Invariant {
         code: "CR404",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "A fit is above 100 %.",
             "A fit is 100 (1 - |y - yh|/|y - mean|) % (docs/format.md, Identification): 100 % at most.",

@@ -2,7 +2,7 @@
 
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{EventsV1, MetricsV2, TestV1};
-use crumple_signal::{About, Sampled, TestDescription};
+use crumple_signal::{About, Sampled, TestDescription, Weight};
 
 use crate::joints::curves::{Running, end_of, farthest, range, times, value_at};
 use crate::joints::{BESIDE, Finding, Invariant, RunParts, is_outside, pulse_of, record};
@@ -17,6 +17,7 @@ pub(crate) static ROWS: [Invariant; 9] = [
     Invariant {
         code: "CR301",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "The velocity is not the integral of the acceleration.",
             "From contact on both are compared, sample by sample. What is left is 4 % of the range of the velocity \
@@ -30,6 +31,7 @@ pub(crate) static ROWS: [Invariant; 9] = [
     Invariant {
         code: "CR302",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "The displacement is not the integral of the velocity.",
             "From contact on both are compared, sample by sample; 2 % of the range of the displacement and 1 mm are \
@@ -42,10 +44,11 @@ pub(crate) static ROWS: [Invariant; 9] = [
     Invariant {
         code: "CR303",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "The velocity does not begin with the impact speed, or two impact speeds are stated.",
-            "The velocity at contact and the speed of /test are compared with that of /events; 1 % and 0.05 m/s are \
-             left.",
+            "The velocity at contact, or where the integration begins, and the speed of /test are compared with that of \
+             /events; 1 % and 0.05 m/s are left. What a filter spreads before contact is in between.",
             "Energy and crush go with the square of the speed: one of both is wrong.",
             READ_OFF,
         ],
@@ -54,6 +57,7 @@ pub(crate) static ROWS: [Invariant; 9] = [
     Invariant {
         code: "CR304",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "The dynamic crush is not the displacement at its time, the velocity there is not zero, or the \
              displacement at contact is not.",
@@ -67,6 +71,7 @@ pub(crate) static ROWS: [Invariant; 9] = [
     Invariant {
         code: "CR305",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "Impact speed, rebound, restitution and delta-v do not fit together.",
             "Delta-v is the impact speed less the rebound velocity, restitution their ratio (docs/format.md, Events); \
@@ -79,6 +84,7 @@ pub(crate) static ROWS: [Invariant; 9] = [
     Invariant {
         code: "CR306",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "A value lies outside of its own interval.",
             BESIDE,
@@ -90,6 +96,7 @@ pub(crate) static ROWS: [Invariant; 9] = [
     Invariant {
         code: "CR307",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "A metric and an event of one name differ.",
             "Dynamic crush and delta-v of /metrics, taken to SI by their unit, are compared with /events; 0.1 % \
@@ -102,6 +109,7 @@ pub(crate) static ROWS: [Invariant; 9] = [
     Invariant {
         code: "CR308",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "The force is not mass times deceleration.",
             "The force of the pulse is compared with the mass of /test times the acceleration; 3 % of its range are \
@@ -114,6 +122,7 @@ pub(crate) static ROWS: [Invariant; 9] = [
     Invariant {
         code: "CR309",
         ends_the_run: true,
+        weight: Weight::Decisive,
         explanation: [
             "A motion was integrated, and nobody says what its events are.",
             "/events is looked for beside /wave/PULSE/displacement in 3-integrate of a vehicle that /test gives a mass \
@@ -251,8 +260,10 @@ fn two_impact_speeds(parts: &RunParts<'_>) -> Vec<Finding> {
     let at_contact = motion.velocity.and_then(|velocity| value_at(velocity, velocity.t0_s().max(0.0)));
     // A record that begins in the pulse has lost speed before its first sample.
     let at_contact = at_contact.filter(|_| motion.velocity.is_some_and(|velocity| velocity.t0_s() <= 0.0));
-    let others = [("the velocity at contact is", at_contact), ("the impact speed of /test is", of_test)];
+    let at_start = motion.velocity.and_then(|velocity| velocity.samples().first().copied());
     let differs = |other: f64| (other.abs() - speed.abs()).abs() > 0.01 * speed.abs() + 0.05;
+    let at_contact = at_contact.filter(|_| at_start.is_none_or(differs));
+    let others = [("the velocity at contact is", at_contact), ("the impact speed of /test is", of_test)];
     let Some((what, other)) = others.into_iter().find_map(|(what, other)| Some((what, other.filter(|o| differs(*o))?)))
     else {
         return Vec::new();
