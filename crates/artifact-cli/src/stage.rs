@@ -17,9 +17,9 @@ use crumple_artifact::{
 use crumple_signal::value::Length;
 use crumple_stage::joints::{Contradiction, Invariant, contradictions, invariant, invariants};
 use crumple_stage::{
-    ExitStatus, Program, Refused, Usage, artifacts_of_a_run, chain, columns, keep_budget, labelled, load_artifacts,
-    nearest, printable, program, refuse_a_mixture, refuse_to_overwrite, run_tool, say, to_stdout, unknown_name,
-    wrapped,
+    ExitStatus, PIPELINE_OF_A_RUN, Pipeline, Program, Refused, Usage, artifacts_of_a_run, chain, columns, keep_budget,
+    labelled, load_artifacts, nearest, printable, program, refuse_a_mixture, refuse_to_overwrite, run_tool, say,
+    to_stdout, unknown_name, wrapped,
 };
 
 /// Shows and checks artifacts (the *.mcap files of a run), unpacks them into plain files and packs plain files into an
@@ -275,7 +275,7 @@ fn check_files(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
         if !faults.is_empty() {
             continue;
         }
-        for found in contradictions(&artifacts) {
+        for found in contradictions(&artifacts, pipeline_of(path).as_ref()) {
             if found.ends_the_run {
                 status = ExitStatus::Refused;
             }
@@ -291,6 +291,11 @@ fn faults_together(artifacts: &[Artifact], is_folder: bool) -> Vec<String> {
     let name = |artifact: &Artifact| artifact.path().display().to_string();
     let missing = artifacts.iter().filter(|_| is_folder).filter_map(|artifact| missing_input(artifact, artifacts));
     missing.chain(refuse_a_mixture(artifacts, name).err().map(|mixture| mixture.to_string())).collect()
+}
+
+/// The pipeline of a run folder; `None` where there is none that can be read, which is no fault of its artifacts.
+fn pipeline_of(folder: &Path) -> Option<Pipeline> {
+    Pipeline::read(&folder.join(PIPELINE_OF_A_RUN), None).ok()
 }
 
 /// What an artifact of a run folder was made from and is not there.
@@ -321,7 +326,7 @@ fn explain(words: &[PathBuf]) -> anyhow::Result<ExitStatus> {
             let hint = format!("{} makes the run again", program("run"));
             return Err(Refused::new(fault).expected("the artifacts of one run").hint(hint).into());
         }
-        here = contradictions(&artifacts).into_iter().filter(is_asked).collect();
+        here = contradictions(&artifacts, pipeline_of(run).as_ref()).into_iter().filter(is_asked).collect();
     }
     let rows: Vec<&Invariant> = match &code {
         Some(code) => vec![invariant(code).ok_or_else(|| {

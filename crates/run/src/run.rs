@@ -339,8 +339,8 @@ impl Run<'_> {
         let output = new.join(stage.output());
         let ending = start(&stage.program, &self.arguments(stage, &output), &self.options.flags)?;
         let mut ending = ending.checked(&new, &stage.outputs);
-        if matches!(ending, StageExit::WithResult(_)) && stage.writes_an_artifact() && contradicts(stage, &new, folder)
-        {
+        let is_new = matches!(ending, StageExit::WithResult(_)) && stage.writes_an_artifact();
+        if is_new && contradicts(stage, &new, folder, self.composed) {
             ending = StageExit::Contradicts;
         }
         if matches!(ending, StageExit::WithResult(_)) {

@@ -186,12 +186,13 @@ pub(crate) fn arguments(
 
 /// Says what a new artifact of a program from elsewhere contradicts, itself or those in the run folder that its stage
 /// reads, and returns whether nothing can be made from it. Damage of the file is said by who reads it.
-pub(crate) fn contradicts(stage: &Stage, new: &Path, folder: &Path) -> bool {
+pub(crate) fn contradicts(stage: &Stage, new: &Path, folder: &Path, asked: &crumple_stage::Pipeline) -> bool {
     let before = chain().take_while(|earlier| earlier.name != stage.name);
     let before = before.filter_map(|earlier| earlier.outputs.first().map(|name| folder.join(name)));
     let files = before.chain([new.join(stage.output())]);
     let artifacts: Vec<Artifact> = files.filter_map(|file| Artifact::open(&file).ok()).collect();
-    let found = contradictions(&artifacts).into_iter().filter(|found| found.ends_the_run && found.stage == stage.name);
+    let found = contradictions(&artifacts, Some(asked)).into_iter();
+    let found = found.filter(|found| found.ends_the_run && found.stage == stage.name);
     let found: Vec<Contradiction> = found.collect();
     let name = |artifact: &Artifact| artifact.path().file_name().unwrap_or_default().display().to_string();
     let mixture = refuse_a_mixture(&artifacts, name).err();

@@ -209,6 +209,7 @@ texts! { ConclusionTexts
     model_label: "recommended";
     doubtful_label: "model in doubt";
     warnings_label: "warnings";
+    explains: "what contradicts, and what to do";
     failed_label: "not identified";
     missing_label: "not in it";
     files_label: "report";

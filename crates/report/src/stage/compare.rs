@@ -25,7 +25,7 @@ pub fn compare(folders: &[PathBuf], page: &Path, markdown: Option<&Path>, quiet:
         let artifacts = artifacts_of_a_run(folder)?;
         refuse_to_overwrite(page, OutputKind::Report, &artifacts)?;
         keep_budget(&artifacts, ExitStatus::Refused);
-        let mut run = gather(&load_artifacts(&artifacts)?.input)?;
+        let mut run = gather(&load_artifacts(&artifacts)?.input, None)?;
         let note = folder.join("0-pipeline.toml");
         if note.is_file() {
             run.pipeline = Pipeline::read(&note, None)?.name().map(str::to_owned);

@@ -15,12 +15,13 @@ use crumple_artifact::records::{
 };
 use crumple_signal::{About, Channel, Note, QuantityKind, Sampled, TestDescription, Weight};
 use crumple_stage::joints::{Contradiction, contradictions};
-use crumple_stage::{Inputs, Refused, program};
+use crumple_stage::{Inputs, Pipeline, Refused, program};
 
-/// Everything the artifacts say that a report shows. What none of them holds is named in [`Run::missing`].
+/// Everything the artifacts say that a report shows. What none of them holds is named in [`Run::missing`]; what the
+/// pipeline asks for and nobody made is a remark.
 ///
 /// Refuses artifacts whose records do not decode, and inputs that hold nothing a report could show.
-pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
+pub fn gather(inputs: &Inputs, pipeline: Option<&Pipeline>) -> anyhow::Result<Run> {
     let mut run = Run::default();
     let texts = &PHRASES.remarks;
     match inputs.record_if::<TestV1>("/test")? {
@@ -55,7 +56,7 @@ pub fn gather(inputs: &Inputs) -> anyhow::Result<Run> {
     run.candidates = candidates(inputs, &simulations)?;
     run.provenance = inputs.artifacts().iter().map(stage_record).collect();
     collect_notes(inputs, &mut run)?;
-    let found = contradictions(inputs.artifacts());
+    let found = contradictions(inputs.artifacts(), pipeline);
     run.remarks = found.iter().map(Contradiction::remark).collect();
     run.concerns = concerns(inputs)?;
     let qualities = inputs.records::<QualityV1>("/quality/")?;

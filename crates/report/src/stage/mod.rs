@@ -223,7 +223,7 @@ fn run(mut cli: Cli) -> anyhow::Result<ExitStatus> {
     let fonts = cli.png.as_ref().map(|_| Fonts::of_system()).transpose()?;
     be_quiet(cli.quiet);
     keep_budget(&cli.inputs, ExitStatus::Refused);
-    let mut run = gather::gather(&load_artifacts(&cli.inputs)?.input)?;
+    let mut run = gather::gather(&load_artifacts(&cli.inputs)?.input, file.as_ref())?;
     run.pipeline = pipeline;
     let ranking = Ranking::of_run(&run);
     let summary = summary(&run, &ranking);

@@ -30,7 +30,7 @@ pub fn together(folder: &Path, page: &Path, pipeline: Option<String>, quiet: boo
     if artifacts.is_empty() {
         return Err(no_model().into());
     }
-    let mut run = gather(&load_artifacts(&artifacts)?.input)?;
+    let mut run = gather(&load_artifacts(&artifacts)?.input, None)?;
     let joint = run.joint.as_mut().ok_or_else(no_model)?;
     for test in &mut joint.tests {
         test.left_out = left_out(&folder.join(format!("without-{}", test.test.name)))?;

@@ -1,4 +1,4 @@
-//! Rows of the joints of parameter-solve, simulate and predict: candidates, their curves, what they predict.
+//! Rows of the joints of parameter-solve and simulate: candidates and their curves.
 
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{CandidateV1, EventsV1, PredictionV1, RecommendationV1, SimulationV1, TestV1};
@@ -8,7 +8,7 @@ use crate::joints::curves::value_at;
 use crate::joints::{BESIDE, Finding, Invariant, RunParts, is_outside, record, records};
 
 /// Rows of the stages.
-pub(crate) static ROWS: [Invariant; 10] = [
+pub(crate) static ROWS: [Invariant; 7] = [
     Invariant {
         code: "CR501",
         ends_the_run: false,
@@ -97,47 +97,10 @@ pub(crate) static ROWS: [Invariant; 10] = [
         ],
         find: evaluated_with_others,
     },
-    Invariant {
-        code: "CR701",
-        ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "A prediction lies outside of its own interval.",
-            BESIDE,
-            "The interval or the value is that of something else.",
-            "write the interval of the value that is written",
-        ],
-        find: prediction_outside,
-    },
-    Invariant {
-        code: "CR702",
-        ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "Impact speed and mass of a prediction are no speed and no mass.",
-            "Both are to be above zero.",
-            "There is no such collision.",
-            "write m/s and kg, both positive, in the program of the stage predict",
-        ],
-        find: no_collision,
-    },
-    Invariant {
-        code: "CR703",
-        ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "The prediction for the test's own speed and mass is not its crush.",
-            "Predictions of an adequate candidate within 0.5 % of speed and mass of the test are compared with the \
-             dynamic crush of /events; 7 % is left, twice what an adequate candidate may miss.",
-            "What it says of other speeds is wrong by at least as much.",
-            "predict the crush of the candidate at the speed that is written, in m",
-        ],
-        find: own_test_is_predicted_otherwise,
-    },
 ];
 
 /// All masses of a candidate together, kg; `None` where it states none.
-fn total_mass(candidate: &CandidateV1) -> Option<f64> {
+pub(crate) fn total_mass(candidate: &CandidateV1) -> Option<f64> {
     let is_numbered = |name: &str| {
         let number = name.strip_prefix('m').and_then(|rest| rest.strip_suffix("_kg"));
         number.is_some_and(|number| !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit()))
@@ -259,7 +222,7 @@ fn recommended_misses_its_test(parts: &RunParts<'_>) -> Vec<Finding> {
 const EVALUATED: f64 = 0.01;
 
 /// Dynamic crush of the test, m.
-fn tested_crush_m(parts: &RunParts<'_>) -> Option<f64> {
+pub(crate) fn tested_crush_m(parts: &RunParts<'_>) -> Option<f64> {
     record::<EventsV1>(parts.of("integrate")?, "/events")?.dynamic_crush_m.filter(|crush_m| *crush_m > 0.0)
 }
 
@@ -287,47 +250,6 @@ fn evaluated_with_others(parts: &RunParts<'_>) -> Vec<Finding> {
     vec![Finding { stage: "simulate", about: About::Model(id.to_owned()), values, text }]
 }
 
-/// Share by which speed and mass of a prediction may differ from those of the test, to be its own.
-const SAME: f64 = 5e-3;
-
-fn own_test_is_predicted_otherwise(parts: &RunParts<'_>) -> Vec<Finding> {
-    let (Some(solved), Some(predicted)) = (parts.of("parameter-solve"), parts.of("predict")) else {
-        return Vec::new();
-    };
-    let (Some(tested_m), Some(test), Some(choice)) = (
-        tested_crush_m(parts),
-        record::<TestV1>(solved, "/test"),
-        record::<RecommendationV1>(solved, "/recommendation"),
-    ) else {
-        return Vec::new();
-    };
-    let Some((mass_kg, speed)) = test.mass_kg.zip(test.impact_speed_m_per_s) else { return Vec::new() };
-    let near = |a: f64, b: f64| (a - b).abs() <= SAME * b.abs();
-    let is_adequate = |id: &str| choice.candidates.iter().any(|rated| rated.id == id && rated.adequate);
-    // Masses that were given to parameter-solve are those of another test.
-    let is_of_the_test = |id: &str| {
-        let candidate = record::<CandidateV1>(solved, &format!("/parameters/{id}"));
-        candidate.and_then(|candidate| total_mass(&candidate)).is_some_and(|total| near(total, mass_kg))
-    };
-    let of_the_test = records::<PredictionV1>(predicted, "/prediction/").find_map(|(number, prediction)| {
-        let is_own = prediction.partner.is_none()
-            && near(prediction.impact_speed_m_per_s, speed)
-            && near(prediction.mass_kg, mass_kg)
-            && is_adequate(&prediction.candidate)
-            && is_of_the_test(&prediction.candidate);
-        let crush_m = prediction.dynamic_crush_m.filter(|_| is_own)?;
-        ((crush_m - tested_m).abs() > 2.0 * ADEQUATE * tested_m).then(|| (number.to_owned(), crush_m))
-    });
-    let Some((number, crush_m)) = of_the_test else { return Vec::new() };
-    let text = format!(
-        "prediction {number} is of the speed and the mass of the test, {:.0} mm, and the crush of the test {:.0} mm",
-        crush_m * 1e3,
-        tested_m * 1e3
-    );
-    let values = vec![("predicted_m", crush_m), ("tested_m", tested_m)];
-    vec![Finding { stage: "predict", about: About::Predictions, values, text }]
-}
-
 fn of_nobody(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some(solved) = parts.of("parameter-solve") else { return Vec::new() };
     let is_there = |id: &str| has_candidate(solved, id);
@@ -342,33 +264,4 @@ fn of_nobody(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some((stage, id)) = absent else { return Vec::new() };
     let text = format!("the stage {stage} worked with {id}, and there is no such candidate");
     vec![Finding { stage, about: About::Model(id), values: Vec::new(), text }]
-}
-
-fn prediction_outside(parts: &RunParts<'_>) -> Vec<Finding> {
-    let Some(artifact) = parts.of("predict") else { return Vec::new() };
-    for (number, prediction) in records::<PredictionV1>(artifact, "/prediction/") {
-        let fields = serde_json::to_value(&prediction).unwrap_or_default();
-        let value = |name: &str| fields.pointer(&format!("/{}", name.replace('.', "/")))?.as_f64();
-        let stated =
-            prediction.intervals.iter().filter_map(|i| Some((i.name.as_str(), value(&i.name)?, i.low, i.high)));
-        let Some((name, value, low, high)) = stated.into_iter().find(|(_, v, low, high)| is_outside(*v, *low, *high))
-        else {
-            continue;
-        };
-        let text = format!("{name} of prediction {number} is {value:.4}, its interval {low:.4} to {high:.4}");
-        let values = vec![("value", value), ("low", low), ("high", high)];
-        return vec![Finding { stage: "predict", about: About::Predictions, values, text }];
-    }
-    Vec::new()
-}
-
-fn no_collision(parts: &RunParts<'_>) -> Vec<Finding> {
-    let Some(artifact) = parts.of("predict") else { return Vec::new() };
-    let found = records::<PredictionV1>(artifact, "/prediction/")
-        .map(|(_, prediction)| (prediction.impact_speed_m_per_s, prediction.mass_kg))
-        .find(|(speed, mass)| !(*speed > 0.0 && *mass > 0.0));
-    let Some((speed, mass)) = found else { return Vec::new() };
-    let text = format!("a prediction is of {mass:.1} kg at {speed:.2} m/s");
-    let values = vec![("mass_kg", mass), ("speed_m_per_s", speed)];
-    vec![Finding { stage: "predict", about: About::Predictions, values, text }]
 }

@@ -1,7 +1,7 @@
 //! Rows of the joint of integrate: velocity and displacement are integrals, and events and metrics are theirs.
 
 use crumple_artifact::Artifact;
-use crumple_artifact::records::{EventsV1, MetricsV2, TestV1};
+use crumple_artifact::records::{EventsV1, MetricV1, MetricsV2, TestV1};
 use crumple_signal::{About, Sampled, TestDescription, Weight};
 
 use crate::joints::curves::{Running, end_of, farthest, range, times, value_at};
@@ -13,7 +13,7 @@ const INTEGRATE: &str = "integrate in m, s and kg in the program of the stage in
 const READ_OFF: &str = "read the events off the curves that the program of the stage integrate writes";
 
 /// Rows of the stage.
-pub(crate) static ROWS: [Invariant; 9] = [
+pub(crate) static ROWS: [Invariant; 10] = [
     Invariant {
         code: "CR301",
         ends_the_run: true,
@@ -132,6 +132,20 @@ pub(crate) static ROWS: [Invariant; 9] = [
         ],
         find: has_no_events,
     },
+    Invariant {
+        code: "CR310",
+        ends_the_run: false,
+        weight: Weight::Decisive,
+        explanation: [
+            "The velocity has a drift that the acceleration has not, and nobody says that it was taken out.",
+            "The straight line between the velocity and the integral of the acceleration, from contact to the end, is \
+             compared with the metric drift_correction of the channel; 1 m/s² is left, twice the uncertainty of a zero \
+             level of 0.05 g.",
+            "The crush is off by half of it times the square of the time of crush: 26 mm for 8 m/s² at 80 ms.",
+            "write what was taken out as the metric drift_correction in m/s^2, or integrate the samples as they are",
+        ],
+        find: has_a_drift_of_its_own,
+    },
 ];
 
 /// The motion that integrate wrote.
@@ -191,24 +205,60 @@ fn has_no_events(parts: &RunParts<'_>) -> Vec<Finding> {
     vec![Finding { stage: "integrate", about: About::Motion, values: Vec::new(), text }]
 }
 
+/// A velocity beside the integral of the acceleration, over the time of both from contact on.
+struct Beside<'a> {
+    velocity: &'a Sampled,
+    running: Running,
+    from_s: f64,
+    to_s: f64,
+    /// Velocity less integral at both ends.
+    ends: (f64, f64),
+}
+
+impl<'a> Beside<'a> {
+    fn of(parts: &RunParts<'a>, motion: &Motion<'a>) -> Option<Self> {
+        let (velocity, pulse) = motion.velocity.zip(parts.wave(&motion.events.channel, "filter"))?;
+        let (from_s, to_s) = Motion::part(velocity);
+        let (from_s, to_s) = (from_s.max(pulse.t0_s()), to_s.min(end_of(pulse)));
+        let running = Running::of(pulse);
+        let beside = |t: f64| Some(value_at(velocity, t)? - running.over(from_s, t)?);
+        let ends = (beside(from_s)?, beside(to_s)?);
+        Some(Self { velocity, running, from_s, to_s, ends })
+    }
+
+    /// The line between both, m/s².
+    fn slope(&self) -> f64 {
+        (self.ends.1 - self.ends.0) / (self.to_s - self.from_s).max(f64::MIN_POSITIVE)
+    }
+
+    fn line(&self, t: f64) -> f64 {
+        self.ends.0 + self.slope() * (t - self.from_s)
+    }
+
+    /// The larger change: of the velocity, or of the integral.
+    fn change(&self) -> f64 {
+        let of_integral = self.running.over(self.from_s, self.to_s).unwrap_or_default().abs();
+        range(self.velocity, self.from_s, self.to_s).max(of_integral)
+    }
+
+    /// Whether the line is as long as the change itself: no drift.
+    fn is_no_drift(&self) -> bool {
+        (self.ends.1 - self.ends.0).abs() > DRIFT * self.change()
+    }
+}
+
 fn velocity_is_no_integral(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some(motion) = Motion::of(parts) else { return Vec::new() };
-    let Some((velocity, pulse)) = motion.velocity.zip(parts.wave(&motion.events.channel, "filter")) else {
-        return Vec::new();
+    let Some(beside) = Beside::of(parts, &motion) else { return Vec::new() };
+    let (velocity, from_s, to_s) = (beside.velocity, beside.from_s, beside.to_s);
+    let integral = |t: f64| Some(beside.running.over(from_s, t)? + beside.line(t));
+    let found = if beside.is_no_drift() {
+        let of = beside.running.over(from_s, to_s);
+        of.map(|of| (to_s, of + beside.line(to_s), of + beside.ends.0))
+    } else {
+        farthest(times(velocity, from_s, to_s), |t| value_at(velocity, t), integral)
     };
-    let (from_s, to_s) = Motion::part(velocity);
-    let to_s = to_s.min(end_of(pulse));
-    let from_s = from_s.max(pulse.t0_s());
-    let running = Running::of(pulse);
-    let beside = |t: f64| Some(value_at(velocity, t)? - running.over(from_s, t)?);
-    let (Some(first), Some(last)) = (beside(from_s), beside(to_s)) else { return Vec::new() };
-    let line = |t: f64| first + (last - first) * (t - from_s) / (to_s - from_s).max(f64::MIN_POSITIVE);
-    let integral = |t: f64| Some(running.over(from_s, t)? + line(t));
-    let left = OF_VELOCITY * range(velocity, from_s, to_s).max(change_of(&running, from_s, to_s));
-    let found = farthest(times(velocity, from_s, to_s), |t| value_at(velocity, t), integral);
-    // A line as long as the change itself is no drift.
-    let drift = (last - first).abs() > DRIFT * change_of(&running, from_s, to_s).max(range(velocity, from_s, to_s));
-    let found = if drift { running.over(from_s, to_s).map(|of| (to_s, of + line(to_s), of + first)) } else { found };
+    let left = OF_VELOCITY * beside.change();
     let Some((time_s, says, of)) = found.filter(|(_, says, of)| (says - of).abs() > left) else { return Vec::new() };
     let text = format!(
         "the velocity at {:.1} ms is {says:.2} m/s, the integral of the acceleration {of:.2} m/s",
@@ -218,12 +268,27 @@ fn velocity_is_no_integral(parts: &RunParts<'_>) -> Vec<Finding> {
     finding(About::Motion, values, text)
 }
 
+/// Drift that nobody need state, m/s².
+const UNSTATED: f64 = 1.0;
+
+fn has_a_drift_of_its_own(parts: &RunParts<'_>) -> Vec<Finding> {
+    let Some(motion) = Motion::of(parts) else { return Vec::new() };
+    let Some(beside) = Beside::of(parts, &motion).filter(|beside| !beside.is_no_drift()) else { return Vec::new() };
+    let stated = record::<MetricsV2>(motion.artifact, "/metrics").and_then(|metrics| {
+        let of_drift = |m: &&MetricV1| m.name == "drift_correction" && m.channel == motion.events.channel;
+        metrics.metrics.iter().find(of_drift)?.value
+    });
+    let (slope, stated) = (beside.slope(), stated.unwrap_or(0.0));
+    // A drift is stated with the sign of the sensor's error or of the correction.
+    if (slope.abs() - stated.abs()).abs() <= UNSTATED {
+        return Vec::new();
+    }
+    let text = format!("the velocity drifts by {slope:.2} m/s² against the acceleration, {stated:.2} m/s² are stated");
+    finding(About::Motion, vec![("drift_m_per_s2", slope), ("stated_m_per_s2", stated)], text)
+}
+
 /// Share of the change of velocity that a drift may take out: `known ends` of long records stay below it.
 const DRIFT: f64 = 0.25;
-
-fn change_of(running: &Running, from_s: f64, to_s: f64) -> f64 {
-    running.over(from_s, to_s).unwrap_or_default().abs()
-}
 
 fn displacement_is_no_integral(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some(motion) = Motion::of(parts) else { return Vec::new() };

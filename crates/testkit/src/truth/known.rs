@@ -289,6 +289,7 @@ pub const LABELS: &[&str] = &[
     "conclusion.about_identified_models",
     "conclusion.ground_label",
     "conclusion.model_label",
+    "conclusion.explains",
     "conclusion.warnings_label",
     "conclusion.missing_label",
     "conclusion.files_label",

@@ -70,7 +70,7 @@ const FILTERS: [(&str, End); 42] = [
     ("100 ms wide", Warned("CR203")),
 ];
 
-const INTEGRATIONS: [(&str, End); 32] = [
+const INTEGRATIONS: [(&str, End); 34] = [
     ("honest", Right),
     ("euler", Right),
     ("simpson", Right),
@@ -103,6 +103,8 @@ const INTEGRATIONS: [(&str, End); 32] = [
     ("metric outside", Refused("CR306")),
     ("of no kind", Stopped("ended with exit code 2")),
     ("no events", Refused("CR309")),
+    ("small drift", Right),
+    ("drift", Warned("CR310")),
 ];
 
 const IDENTIFICATIONS: [(&str, End); 10] = [
@@ -137,7 +139,7 @@ const SOLUTIONS: [(&str, End); 16] = [
     ("negative", Without("crush")),
 ];
 
-const ANSWERS: [(&str, &str, End); 7] = [
+const ANSWERS: [(&str, &str, End); 16] = [
     ("simulate", "crush", Refused("CR601")),
     ("simulate", "nobody", Refused("CR602")),
     ("predict", "value", Refused("CR701")),
@@ -145,6 +147,15 @@ const ANSWERS: [(&str, &str, End); 7] = [
     ("predict", "more", Refused("CR703")),
     ("predict", "nobody", Refused("CR602")),
     ("predict", "no speed", Refused("CR702")),
+    ("predict", "honest", Right),
+    ("predict", "delta-v", Refused("CR704")),
+    ("predict", "mass", Refused("CR704")),
+    ("predict", "mass alone", Warned("CR706")),
+    ("predict", "falls", Refused("CR70")),
+    ("predict", "too far", Refused("CR70")),
+    ("predict", "sure", Warned("CR705")),
+    ("predict", "other speeds", Warned("CR706")),
+    ("predict", "no predictions", Warned("CR706")),
 ];
 
 /// Records that every stage is swapped for: a curve that unloads, a spring with a damper.

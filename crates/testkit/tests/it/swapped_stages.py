@@ -115,7 +115,8 @@ def integrated():
             yield total
             total += value * step
 
-    v = [speed + value for value in rule(x)]
+    drift = {"drift": 8.0, "small drift": 0.5}.get(what, 0.0)
+    v = [speed + value + drift * max(0.0, start + k * step) for k, value in enumerate(rule(x))]
     s = rule(v)
     s = [value - s[zero] for value in s]
     top = max(range(zero, len(s)), key=lambda k: s[k])
@@ -163,7 +164,7 @@ def integrated():
         "peak of another": lambda: events.update(rebound_velocity_m_per_s=-v[low]),
     }
     what_is.get(what, lambda: None)()
-    if what not in what_is and what not in ("honest", "euler", "simpson", "no events"):
+    if what not in what_is and what not in ("honest", "euler", "simpson", "no events", "drift", "small drift"):
         sys.exit(2)
     data = [("/test", "crumple.Test.v1", test), ("/events", "crumple.Events.v1", events),
             ("/metrics", "crumple.Metrics.v2", {"metrics": metrics})]
@@ -241,11 +242,14 @@ def solved():
 def changed():
     """The result of the project's own stage, changed."""
     own = pathlib.Path(parent.name, "own.mcap")
-    subprocess.run([f"crumple-{stage}", *words[: words.index("-o")], "-q", "-o", own, *words[words.index("-o") + 2:]],
-                   check=True)
+    others = ["--speeds", "30km/h"] if what == "other speeds" else []
+    subprocess.run([f"crumple-{stage}", *words[: words.index("-o")], "-q", "-o", own, *words[words.index("-o") + 2:],
+                    *others], check=True)
     folder = pathlib.Path(parent.name, "own")
     subprocess.run(["crumple-artifact", "unpack", "-q", own, folder], check=True)
     lines = [json.loads(line) for line in (folder / "records.ndjson").read_text().splitlines()]
+    if what == "no predictions":
+        lines = [line for line in lines if not line["topic"].startswith("/prediction/")]
     for line in lines:
         data = line["data"]
         if line["topic"].startswith("/simulation/") and what == "crush":
@@ -261,6 +265,19 @@ def changed():
                     interval.update(low=interval["low"] * 2, high=interval["high"] * 2)
             if what == "nobody":
                 data["candidate"] = "of/nobody/1"
+            if what == "delta-v":
+                data.update(delta_v_m_per_s=2 * data["delta_v_m_per_s"], intervals=[])
+            if what in ("mass", "mass alone"):
+                data["mass_kg"] *= 1.5
+            if what == "mass alone":
+                data["energy"] = None
+            if what == "sure":
+                data["extrapolates"] = False
+            if what == "falls" and data["impact_speed_m_per_s"] > 16:
+                data.update(dynamic_crush_m=data["dynamic_crush_m"] / 2, intervals=[])
+            if what == "too far":
+                data.update(dynamic_crush_m=1.1 * data["impact_speed_m_per_s"] * data["time_of_dynamic_crush_s"],
+                            intervals=[])
             if what == "no speed":
                 data["impact_speed_m_per_s"] *= -1
             if what == "more":

@@ -10,7 +10,7 @@ use crate::phrases::words::fill;
 use crumple_artifact::records::{Certainty, ConcernV1, IntervalSourceV1};
 use crumple_signal::About;
 use crumple_signal::key_quantities::{CRUSH, KeyQuantity, PEAK, STIFFNESS};
-use crumple_stage::by_way;
+use crumple_stage::{by_way, program};
 
 use crate::findings::conclusions::concerns::{decisive_warning, first_warnings, is_of_a_failed_method};
 use crate::findings::conclusions::conclusion::Conclusion;
@@ -80,6 +80,9 @@ pub fn overview(
         // What makes all doubtful is said whole.
         let text = format!("{}. {}", number + 1, concern.text);
         lines.push(OverviewLine { may_be_cut: number > 0 || !decisive, ..line(label, text) });
+    }
+    if !run.remarks.is_empty() {
+        lines.push(line("", format!("{}: {} {}", phrases.explains, program("artifact explain"), folder.display())));
     }
     if others > 0 {
         let count = match others {
