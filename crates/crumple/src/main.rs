@@ -59,6 +59,9 @@ static OTHERS: &[Program] = &[
     crumple_run::VIEW,
     crumple_report::COMPARE,
     crumple_report::INDEX,
+    #[cfg(feature = "run")]
+    crumple_run::DIFF,
+    #[cfg(not(feature = "run"))]
     crumple_report::DIFF,
     crumple_report::ACCEPT,
     crumple_artifact_cli::PROGRAM,

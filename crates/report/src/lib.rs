@@ -17,6 +17,8 @@ mod stage;
 pub use compare::compared_run::ComparedRun;
 pub use compare::document::RunComparison;
 pub use compare::first_screen::first_screen;
+pub use compare::quantities::{Quantity, engineering, quantities};
+pub use compare::why::{Divided, DividedNumber};
 pub use figures::all::all_figures;
 pub use findings::{
     CandidateResult, CandidateSummary, Conclusion, Element, IdentifiabilityCounts, JointTests, Kind, LeftOut,
@@ -30,5 +32,5 @@ pub use index::{IndexedRun, status};
 pub use page::document::{Page, write_shared_files};
 pub use phrases::words::fill;
 pub use run_numbers::RunNumber;
-pub use stage::diff::{ACCEPT, DIFF};
+pub use stage::diff::{ACCEPT, DIFF, diff};
 pub use stage::{COMPARE, INDEX, PROGRAM};

@@ -37,6 +37,7 @@ mod together {
     pub mod joint_run;
     pub mod summary;
 }
+mod why;
 mod words;
 
 use std::ffi::OsString;
@@ -63,6 +64,8 @@ pub const STUDY: Program = Program::of_tool::<fleet::StudyOptions>("study", |cal
 /// `crumple-export`: a run as tables.
 pub const EXPORT: Program =
     Program::of_tool::<export::program::ExportOptions>("export", |call| run_tool(call, export::program::export));
+/// `crumple-diff`, which can run the chain again.
+pub const DIFF: Program = Program { run: |call| crumple_report::diff(call, Some(why::why)), ..crumple_report::DIFF };
 /// `crumple-view`: a run as a recording for viewers.
 pub const VIEW: Program =
     Program::of_tool::<export::view::ViewOptions>("view", |call| run_tool(call, export::view::view));

@@ -101,6 +101,13 @@ pub(crate) struct Program {
     pub(crate) stage: &'static str,
 }
 
+/// Digest of a file as it is now.
+pub(crate) fn digest_of(path: &Path) -> Option<String> {
+    let mut hasher = blake3::Hasher::new();
+    std::io::copy(&mut fs::File::open(path).ok()?, &mut hasher).ok()?;
+    Some(format!("blake3:{}", hasher.finalize()))
+}
+
 /// Programs of the project that are no stages.
 const NO_STAGES: [&str; 7] = ["run", "together", "fleet", "study", "export", "view", "artifact"];
 
@@ -117,6 +124,14 @@ enum Named {
 }
 
 impl Program {
+    /// The files that its command names, with their digests: the program, and a script or settings that it is given.
+    pub(crate) fn files(&self) -> impl Iterator<Item = (String, String)> {
+        let name = self.file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let named = self.flags.iter().map(|word| (word.clone(), PathBuf::from(word)));
+        let all = std::iter::once((name, self.file.clone())).chain(named).filter(|(_, path)| path.is_file());
+        all.filter_map(|(name, path)| Some((name, digest_of(&path)?)))
+    }
+
     fn find(stage: &'static str, typed: String) -> anyhow::Result<Self> {
         let refused = |problem: String| Usage::new(format!("{problem}; nothing was run"));
         let words: Words =

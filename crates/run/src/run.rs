@@ -162,23 +162,23 @@ fn note_run(composed: &mut crumple_stage::Pipeline, options: &Options, pipeline:
 /// Notes flags typed for single stages, and programs from elsewhere: what a run depends on beside its pipeline.
 fn note_typed(composed: &mut crumple_stage::Pipeline, options: &Options, stages: &[Stage]) {
     let changes_nothing = |word: &String| matches!(word.as_str(), "-q" | "--quiet" | "--force" | "--json");
-    let mut note = |what: &str, stage: &str, words: &mut dyn Iterator<Item = String>| {
-        let typed: Vec<String> = words.filter(|word| !changes_nothing(word)).collect();
+    let mut note_flags = |stage: &str, words: &mut dyn Iterator<Item = String>| {
+        let typed = Words(words.filter(|word| !changes_nothing(word)).collect());
         if !typed.is_empty() {
-            composed.note_typed(what, stage, &typed.join(" "));
+            composed.note_typed("flags", stage, &typed.to_string());
         }
     };
     let mut behind = Some(options.flags_of_the_first());
     for Stage { name, program, .. } in stages {
+        let own = program.is_own.then_some(&program.flags).into_iter().flatten().cloned();
         let behind = behind.take().unwrap_or_default().iter().map(|word| word.to_string_lossy().into_owned());
-        if program.is_own {
-            note("flags", name, &mut program.flags.iter().cloned().chain(behind));
-        } else {
-            note("program", name, &mut std::iter::once(program.typed.clone()));
-            note("flags", name, &mut { behind });
-        }
+        note_flags(name, &mut own.chain(behind));
     }
-    note("flags", "every stage", &mut options.flags.iter().cloned());
+    note_flags("every stage", &mut options.flags.iter().cloned());
+    for Stage { name, program, .. } in stages.iter().filter(|stage| !stage.program.is_own) {
+        composed.note_typed("program", name, &program.typed);
+        composed.note_files(name, program.files());
+    }
 }
 
 /// The folder of a run that was made.

@@ -11,3 +11,4 @@ pub mod review;
 pub mod review_files;
 pub mod settings;
 pub mod table;
+pub mod why;

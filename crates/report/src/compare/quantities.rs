@@ -123,11 +123,16 @@ impl Quantity {
         if self.is_share(run) && first != 0.0 {
             return Some(words::deviation(100.0 * (own.value - first) / first.abs(), 1, "%"));
         }
+        Some(self.difference(own.value - first))
+    }
+
+    /// A difference, SI, in the unit of people.
+    pub fn difference(&self, difference: f64) -> String {
         let decimals = match self.digits {
             Digits::Decimals(decimals) => decimals + 1,
             Digits::Significant(_) => 1,
         };
-        Some(words::deviation(self.factor * (own.value - first), decimals, self.unit))
+        words::deviation(self.factor * difference, decimals, self.unit)
     }
 
     /// What counts as the same, in words.

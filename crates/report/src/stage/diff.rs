@@ -11,7 +11,7 @@ use crumple_diff::{
     compare_json, conclusion, open_candidates, parse_rules, write_text,
 };
 use crumple_stage::{
-    ExitStatus, Program, Usage, keep_budget, printable, program, refuse_to_overwrite, run_tool, to_stdout,
+    Call, ExitStatus, Program, Usage, keep_budget, printable, program, refuse_to_overwrite, run_tool, to_stdout,
 };
 
 use super::compare::write;
@@ -20,6 +20,7 @@ use crate::Summary;
 use crate::compare::first_screen::shell_word;
 use crate::compare::review::{Expected, Review, line_of};
 use crate::compare::review_files::{to_github, to_json, to_junit, to_markdown};
+use crate::compare::why::Divided;
 
 const SUMMARY: &str = "summary.json";
 const PIPELINE: &str = "0-pipeline.toml";
@@ -87,6 +88,10 @@ struct Args {
     /// Print annotations of GitHub, at the line of the cause.
     #[arg(long)]
     github: bool,
+    /// Divide the change of every key number among its causes: the chain is run again with one cause at a time, at most
+    /// 14 times. Needs two run folders and their records.
+    #[arg(long)]
+    why: bool,
     /// Print nothing; the exit code tells.
     #[arg(short, long)]
     quiet: bool,
@@ -105,8 +110,15 @@ struct AcceptArgs {
 }
 
 /// The program. Here 1 means "different" and every failure is 2, whatever its kind.
-pub const DIFF: Program =
-    Program::of_tool::<Args>("diff", |call| run_tool(call, |args: Args| run(&args).map_err(trouble)));
+pub const DIFF: Program = Program::of_tool::<Args>("diff", |call| diff(call, None));
+
+/// Divides the change between two run folders among its causes.
+pub type Why = fn(&Path, &Path) -> anyhow::Result<Divided>;
+
+/// The program, with what can run the chain again.
+pub fn diff(call: &Call, why: Option<Why>) -> ExitStatus {
+    run_tool(call, |args: Args| run(&args, why).map_err(trouble))
+}
 
 /// `crumple accept`.
 pub const ACCEPT: Program =
@@ -173,7 +185,11 @@ fn settings(args: &Args) -> Result<CompareSettings, DiffError> {
     })
 }
 
-fn run(args: &Args) -> anyhow::Result<ExitStatus> {
+fn run(args: &Args, why: Option<Why>) -> anyhow::Result<ExitStatus> {
+    if args.why && why.is_none() {
+        let problem = "--why runs the chain, which this program alone cannot";
+        return Err(Usage::new(problem).hint("crumple diff A B --why").into());
+    }
     let results = [args.a.clone(), args.b.clone()];
     let outputs = [
         (args.markdown.as_ref(), OutputKind::Markdown),
@@ -206,6 +222,8 @@ fn run(args: &Args) -> anyhow::Result<ExitStatus> {
     settings.tolerances.refuse_unmatched(topics.iter().map(String::as_str))?;
     let same = compared.iter().all(|(_, comparison)| comparison.same);
     let reviews: Vec<&Review> = compared.iter().map(|(review, _)| review).collect();
+    let why = why.filter(|_| args.why && !same);
+    let divided = why.map(|why| why(&args.a, &args.b)).transpose()?;
     if let Some(path) = &args.markdown {
         let accept = format!("crumple accept {}", word(&args.b));
         write(path, OutputKind::Markdown, &to_markdown(&reviews, &args.again(), &accept))?;
@@ -214,7 +232,11 @@ fn run(args: &Args) -> anyhow::Result<ExitStatus> {
         write(path, OutputKind::Junit, &to_junit(&compared))?;
     }
     if let Some(path) = &args.json {
-        let text = serde_json::to_string_pretty(&to_json(&compared, args.all))? + "\n";
+        let mut value = to_json(&compared, args.all);
+        if let Some(divided) = &divided {
+            value["why"] = serde_json::to_value(divided)?;
+        }
+        let text = serde_json::to_string_pretty(&value)? + "\n";
         match path.to_str() {
             // JSON spells such characters out itself.
             Some("-") => to_stdout(text.as_bytes())?,
@@ -224,7 +246,9 @@ fn run(args: &Args) -> anyhow::Result<ExitStatus> {
     let says = !args.quiet && args.json.as_deref().is_none_or(|path| path != Path::new("-"));
     let mut text = if args.github { to_github(&reviews) } else { String::new() };
     if says {
-        text += &lines(&compared, args.all)?.join("\n");
+        let mut said = lines(&compared, args.all)?;
+        said.extend(divided.iter().flat_map(Divided::lines));
+        text += &said.join("\n");
         text.push('\n');
     }
     // A reader that closes the pipe still gets the exit code.

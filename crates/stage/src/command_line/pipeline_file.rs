@@ -1,5 +1,6 @@
 //! A pipeline file: a table for each stage, laid over the default pipeline unless it stands alone.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -40,6 +41,9 @@ pub struct Pipeline {
     stages: Table,
     run: Table,
 }
+
+/// The table of [`Pipeline::note_files`] in that of the run.
+const FILES: &str = "files";
 
 impl Pipeline {
     /// Reads a file, and what it is laid over: `default`, or without it the default pipeline built in.
@@ -251,40 +255,111 @@ impl Pipeline {
         set.rfind(|typed| is_meant(typed)).map_or_else(|| self.file(), |typed| format!("--set {typed}"))
     }
 
+    /// Notes the files that the program of a stage is, from elsewhere: their names and digests.
+    pub fn note_files(&mut self, stage: &str, files: impl IntoIterator<Item = (String, String)>) {
+        let files: Table = files.into_iter().map(|(name, digest)| (name, Value::from(digest))).collect();
+        let table = self.run.entry(FILES).or_insert_with(|| Value::Table(Table::new()));
+        if let Value::Table(table) = table {
+            table.insert(stage.to_owned(), Value::from(files));
+        }
+    }
+
+    /// What [`note_files`](Self::note_files) noted for a stage.
+    pub fn files(&self, stage: &str) -> BTreeMap<String, String> {
+        let files = self.run.get(FILES).and_then(|files| files.get(stage)?.as_table());
+        let digests = files.into_iter().flatten().map(|(name, digest)| (name, digest.as_str()));
+        digests.filter_map(|(name, digest)| Some((name.clone(), digest?.to_owned()))).collect()
+    }
+
+    /// What [`note_typed`](Self::note_typed) noted for a stage.
+    pub fn typed(&self, what: &str, stage: &str) -> Option<&str> {
+        self.run.get(what)?.as_table()?.get(stage)?.as_str()
+    }
+
+    /// Whether a program from elsewhere stood for a stage.
+    pub fn is_foreign(&self, stage: &str) -> bool {
+        self.typed("program", stage).is_some()
+    }
+
+    /// The same without what a run noted.
+    pub fn without_run(self) -> Self {
+        Self { run: Table::new(), ..self }
+    }
+
+    /// Takes the table of a stage from another pipeline; a stage that the other leaves out is left out.
+    pub fn take_stage(&mut self, other: &Self, stage: &str) {
+        match other.stages.get(stage) {
+            Some(table) => _ = self.stages.insert(stage.to_owned(), table.clone()),
+            None => _ = self.stages.remove(stage),
+        }
+    }
+
+    /// Takes one option from another pipeline, by its name: `filter.cfc`; what the other leaves out is left out.
+    pub fn take_option(&mut self, other: &Self, name: &str) {
+        let value = other.options_of_stages().remove(name).cloned();
+        let mut names: Vec<&str> = name.split('.').collect();
+        let Some(option) = names.pop() else { return };
+        let mut table = &mut self.stages;
+        for name in names {
+            let inner = table.entry(name).or_insert_with(|| Value::Table(Table::new()));
+            let Value::Table(inner) = inner else { return };
+            table = inner;
+        }
+        match value {
+            Some(value) => _ = table.insert(option.to_owned(), value),
+            None => _ = table.remove(option),
+        }
+    }
+
+    /// The names of the options of stages that differ from those of an earlier pipeline.
+    pub fn changed_options(&self, before: &Self) -> Vec<String> {
+        let (old, new) = (before.options_of_stages(), self.options_of_stages());
+        let changes = Self::changes(&old, &new);
+        changes.into_iter().map(|(name, _, _)| name).collect()
+    }
+
     /// The options that differ from those of an earlier pipeline: name, old value, new value.
     pub fn changes_since(&self, before: &Self) -> Vec<(String, Option<String>, Option<String>)> {
-        let (old, new) = (before.options(), self.options());
-        let names: std::collections::BTreeSet<&String> = old.keys().chain(new.keys()).collect();
-        let text = |options: &std::collections::BTreeMap<String, &Value>, name: &String| {
-            options.get(name).map(ToString::to_string)
-        };
+        Self::changes(&before.options(), &self.options())
+    }
+
+    fn changes(old: &Options<'_>, new: &Options<'_>) -> Vec<(String, Option<String>, Option<String>)> {
+        let names: BTreeSet<&String> = old.keys().chain(new.keys()).collect();
+        let text = |options: &Options<'_>, name: &String| options.get(name).map(ToString::to_string);
         // 180 and "180" are one value to a stage.
         let plain = |value: &&Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
         let changes = names.into_iter().filter(|name| old.get(*name).map(plain) != new.get(*name).map(plain));
-        changes.map(|name| (name.clone(), text(&old, name), text(&new, name))).collect()
+        changes.map(|name| (name.clone(), text(old, name), text(new, name))).collect()
     }
 
     /// Every option by its name, `filter.cfc`, and the flags noted by a run.
-    fn options(&self) -> std::collections::BTreeMap<String, &Value> {
-        fn walk<'a>(at: &str, table: &'a Table, into: &mut std::collections::BTreeMap<String, &'a Value>) {
-            for (key, value) in table {
-                let name = format!("{at}{key}");
-                match value {
-                    Value::Table(inner) => walk(&format!("{name}."), inner, into),
-                    value => {
-                        into.insert(name, value);
-                    }
-                }
-            }
-        }
-        let mut options = std::collections::BTreeMap::new();
-        walk("", &self.stages, &mut options);
+    fn options(&self) -> Options<'_> {
+        let mut options = self.options_of_stages();
         for (what, value) in &self.run {
             if let Value::Table(typed) = value {
                 walk(&format!("{what} of "), typed, &mut options);
             }
         }
         options
+    }
+
+    fn options_of_stages(&self) -> Options<'_> {
+        let mut options = Options::new();
+        walk("", &self.stages, &mut options);
+        options
+    }
+}
+
+/// Options by their names.
+type Options<'a> = BTreeMap<String, &'a Value>;
+
+fn walk<'a>(at: &str, table: &'a Table, into: &mut Options<'a>) {
+    for (key, value) in table {
+        let name = format!("{at}{key}");
+        match value {
+            Value::Table(inner) => walk(&format!("{name}."), inner, into),
+            value => _ = into.insert(name, value),
+        }
     }
 }
 

@@ -1,0 +1,133 @@
+//! Whose fault a change is: the chain is run again with one cause at a time, and every cause gets its share.
+
+mod causes;
+mod shapley;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::thread;
+
+use anyhow::Context;
+use crumple_report::{Divided, DividedNumber, Summary, engineering, quantities};
+use crumple_stage::{Artifact, ExitStatus, PIPELINE_OF_A_RUN, Refused, Usage, chain, variable_of};
+
+use crate::program::own_command;
+use causes::{Causes, Recipe, digest_of_record};
+use shapley::shares;
+
+/// Causes that are told apart: all their sets come to 2^4 runs, two of which are made already.
+const MOST: usize = 4;
+
+/// The change between two runs in parts.
+///
+/// Shapley values (Shapley 1953): the share of a cause is the mean, over every order in which the causes can come, of
+/// what the number changes by when it comes. The shares of a number add up to its change.
+///
+/// Errors: a folder that does not say how it was made, a record that is not at hand or another one by now, programs of
+/// another version.
+pub fn why(before: &Path, after: &Path) -> anyhow::Result<Divided> {
+    let [a, b] = [Recipe::of(before)?, Recipe::of(after)?];
+    let causes = Causes::between(&a, &b)?.at_most(MOST);
+    if causes.is_empty() {
+        return Ok(Divided::default());
+    }
+    let made = Sets { a: &a, b: &b, causes: &causes, folder: tempfile::tempdir()? }.run()?;
+    let last = made.len() - 1;
+    let without = Summary::default();
+    let summaries: Vec<&Summary> = made.iter().map(|made| made.as_ref().unwrap_or(&without)).collect();
+    let mut divided = Divided { causes: causes.names().collect(), runs: made.len() - 2, ..Divided::default() };
+    for row in quantities(&summaries, &engineering()).iter().filter(|row| row.differs(last)) {
+        let values: Option<Vec<f64>> = row.values.iter().map(|own| Some(own.as_ref()?.value)).collect();
+        match values {
+            Some(values) => {
+                divided.numbers.push(DividedNumber::new(row, [values[0], values[last]], shares(&values)));
+            }
+            None => divided.undivided.push(row.name.clone()),
+        }
+    }
+    Ok(divided)
+}
+
+/// What the chain gives with every set of causes: a set is a number, bit `k` of it the cause `k`.
+struct Sets<'a> {
+    a: &'a Recipe,
+    b: &'a Recipe,
+    causes: &'a Causes,
+    folder: tempfile::TempDir,
+}
+
+impl Sets<'_> {
+    /// The summary of every set; `None`: a run without a result.
+    fn run(&self) -> anyhow::Result<Vec<Option<Summary>>> {
+        let all = (1 << self.causes.len()) - 1;
+        let mut made: Vec<Option<Summary>> = vec![None; all + 1];
+        made[0] = Some(self.a.summary.clone());
+        made[all] = Some(self.b.summary.clone());
+        let mut folders: Vec<(usize, PathBuf)> = vec![(0, self.a.folder.clone()), (all, self.b.folder.clone())];
+        // Small sets first: what a larger one shares with them is up to date.
+        for size in 1..self.causes.len() {
+            let sets: Vec<usize> = (1..all).filter(|set| set.count_ones() as usize == size).collect();
+            let next = Mutex::new(sets.iter().copied());
+            let results = Mutex::new(Vec::new());
+            let workers = thread::available_parallelism().map_or(1, usize::from).min(sets.len());
+            thread::scope(|scope| {
+                for _ in 0..workers {
+                    scope.spawn(|| {
+                        loop {
+                            let Some(set) = next.lock().ok().and_then(|mut sets| sets.next()) else { return };
+                            let result = self.run_one(set, &folders);
+                            if let Ok(mut results) = results.lock() {
+                                results.push((set, result));
+                            }
+                        }
+                    });
+                }
+            });
+            for (set, result) in results.into_inner().unwrap_or_default() {
+                made[set] = result?;
+                folders.extend(made[set].is_some().then(|| (set, self.place(set))));
+            }
+            folders.sort();
+        }
+        Ok(made)
+    }
+
+    fn place(&self, set: usize) -> PathBuf {
+        self.folder.path().join(format!("set-{set}"))
+    }
+
+    /// Runs the chain with a set of causes, from what another run shares with it.
+    fn run_one(&self, set: usize, made: &[(usize, PathBuf)]) -> anyhow::Result<Option<Summary>> {
+        let folder = self.place(set);
+        fs::create_dir_all(&folder)?;
+        let shared = |other: &usize| self.causes.first_stage(set ^ other);
+        if let Some((other, from)) = made.iter().max_by_key(|(other, _)| shared(other)) {
+            let stages = chain().take(shared(other)).flat_map(|stage| stage.outputs);
+            for name in stages.chain([PIPELINE_OF_A_RUN]).filter(|name| from.join(name).is_file()) {
+                fs::copy(from.join(name), folder.join(name))?;
+            }
+        }
+        let recipe = self.causes.mixed(self.a, self.b, set);
+        let file = self.folder.path().join(format!("set-{set}.toml"));
+        fs::write(&file, recipe.pipeline.to_string())?;
+        let mut command = own_command("run");
+        chain().for_each(|stage| _ = command.env_remove(variable_of(stage.name)));
+        command.arg("--pipeline").arg(&file).arg("--out").arg(&folder).args(["-q", "--flags", &recipe.of_all]);
+        for (stage, program) in &recipe.programs {
+            command.arg("--stage").arg(format!("{stage}={}", program.typed));
+        }
+        command.arg(&recipe.record).args(recipe.flags.iter().flatten());
+        let ended = command.output().context("cannot start the run of a cause")?;
+        let has_result = [ExitStatus::Done, ExitStatus::NoAcceptableResult].map(|status| Some(i32::from(status as u8)));
+        if !has_result.contains(&ended.status.code()) {
+            return Ok(None);
+        }
+        let ingested = Artifact::open(&folder.join("1-ingest.mcap")).map_err(Refused::from)?;
+        if digest_of_record(&ingested).is_none_or(|digest| digest != recipe.digest) {
+            let problem = format!("the record {} is another one by now", recipe.record.display());
+            return Err(Usage::new(problem).hint("put it back as it was, or run both records again").into());
+        }
+        Recipe::summary(&folder).map(Some)
+    }
+}
