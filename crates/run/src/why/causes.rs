@@ -95,9 +95,8 @@ impl Foreign {
 
     /// The first of its files that is there and no longer what it was.
     fn changed(&self) -> Option<&str> {
-        let is_changed = |(name, digest): &(&String, &String)| {
-            digest_of(Path::new(name)).is_some_and(|now| now != **digest)
-        };
+        let is_changed =
+            |(name, digest): &(&String, &String)| digest_of(Path::new(name)).is_some_and(|now| now != **digest);
         self.files.iter().find(is_changed).map(|(name, _)| name.as_str())
     }
 }
@@ -222,11 +221,6 @@ impl Causes {
 
     pub(super) fn names(&self) -> impl Iterator<Item = String> {
         self.0.iter().map(|cause| cause.name.clone())
-    }
-
-    /// How many there are, in words.
-    pub(super) fn counted(&self) -> String {
-        format!("{} cause{}", self.len(), if self.len() == 1 { "" } else { "s" })
     }
 
     /// The first stage that a set of causes concerns, by its place in the chain; the length of the chain for none.

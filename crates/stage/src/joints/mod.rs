@@ -10,6 +10,7 @@ pub mod models;
 pub mod motion;
 pub mod predictions;
 
+use std::cmp::Reverse;
 use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
 
@@ -93,13 +94,13 @@ pub fn invariant(code: &str) -> Option<&'static Invariant> {
     invariants().find(|row| row.code.eq_ignore_ascii_case(code))
 }
 
-/// Every contradiction of the artifacts of one run, in the order of the chain; of two about one thing that which ends
-/// the run first. `pipeline` says what was asked for, where it is known.
+/// Every contradiction of the artifacts of one run: those that end it first, then the gravest, each in the order of the
+/// chain. `pipeline` says what was asked for, where it is known.
 pub fn contradictions(artifacts: &[Artifact], pipeline: Option<&Pipeline>) -> Vec<Contradiction> {
     let artifacts = artifacts.iter().filter_map(|a| Some((stage_of(a)?, a))).collect();
     let parts = RunParts { artifacts, pipeline };
     let mut found: Vec<Contradiction> = JOINTS.iter().flat_map(|joint| joint.contradictions(&parts)).collect();
-    found.sort_by_key(|c| (!c.ends_the_run, stage_order(Some(c.stage))));
+    found.sort_by_key(|c| (!c.ends_the_run, Reverse(c.weight.number()), stage_order(Some(c.stage))));
     found
 }
 

@@ -22,3 +22,4 @@ mod paper_pipelines;
 mod schemas;
 mod swapped;
 mod together;
+mod why;
