@@ -8,10 +8,11 @@ use crumple_artifact::{
 };
 use serde_json::{Value, json};
 
-use crate::differences::{Difference, FileReport, Side, TopicReport};
-use crate::json::compare_json;
-use crate::tolerances::{Base, Candidate, Unit};
-use crate::{CompareSettings, Tolerances};
+use crate::candidate::Candidate;
+use crate::differences::{Difference, FileReport, Reason, Side, TopicReport};
+use crate::json::{compare_json, leaves};
+use crate::tolerances::{Base, Unit};
+use crate::{CompareSettings, Tolerance, Tolerances};
 
 // Two artifacts: topics paired by name, each compared as what it is.
 
@@ -26,14 +27,14 @@ pub fn compare_artifacts(
     settings: &CompareSettings,
 ) -> Result<FileReport, ReadError> {
     let provenance = compare_provenance(a.provenance(), b.provenance());
-    let topics = if a.digest() == b.digest() { quantities(a, b) } else { topics(a, b, settings)? };
+    let topics = if a.digest() == b.digest() { quantities_and_units(a, b) } else { topics(a, b, settings)? };
     let same = topics.iter().all(|topic| topic.same) && (provenance.is_empty() || !settings.provenance);
     let digests = Some([a.digest().to_owned(), b.digest().to_owned()]);
     Ok(FileReport { name: name.to_owned(), same, only_in: None, digests, topics, provenance })
 }
 
-/// Candidates in two artifacts of which the record leaves parameters open, on one side at least. Errors: a record that
-/// does not decode.
+/// Candidates in two artifacts with a parameter that both sides leave open, and that has another value. Errors: a
+/// record that does not decode.
 pub fn open_candidates(a: &Artifact, b: &Artifact) -> Result<BTreeSet<String>, ReadError> {
     let mut open = BTreeSet::new();
     for x in a.records() {
@@ -41,7 +42,7 @@ pub fn open_candidates(a: &Artifact, b: &Artifact) -> Result<BTreeSet<String>, R
         let Some(id) = x.topic.strip_prefix("/parameters/") else { continue };
         let Some(y) = b.records().iter().find(same_topic) else { continue };
         if let (Some(Value::Object(x)), Some(Value::Object(y))) = (json_of(a, x)?, json_of(b, y)?)
-            && Candidate::from_records("", &x, &y).is_some_and(|candidate| candidate.is_open())
+            && Candidate::from_records("", &x, &y).is_some_and(|candidate| candidate.is_moved())
         {
             open.insert(id.to_owned());
         }
@@ -50,29 +51,62 @@ pub fn open_candidates(a: &Artifact, b: &Artifact) -> Result<BTreeSet<String>, R
 }
 
 /// What a waveform measures stands beside the messages, so the digest does not see it.
-fn quantities(a: &Artifact, b: &Artifact) -> Vec<TopicReport> {
-    let pairs = a.waves().iter().filter_map(|(id, wave)| Some((id, wave.quantity, b.waves().get(id)?.quantity)));
+fn quantities_and_units(a: &Artifact, b: &Artifact) -> Vec<TopicReport> {
+    let pairs = a.waves().keys().filter_map(|id| Some((id, Stated::of(a, id)?, Stated::of(b, id)?)));
     pairs
-        .filter(|(_, a, b)| a != b)
-        .map(|(id, a, b)| {
+        .filter_map(|(id, a, b)| {
             let mut report = TopicReport::new(&format!("{WAVE_PREFIX}{id}"));
-            let (a, b) = (Some(json!(a.name())), Some(json!(b.name())));
-            report.differs(Difference { place: "quantity".into(), a, b, ..Difference::default() });
-            report
+            report.differs(a.difference(b)?);
+            Some(report)
         })
         .collect()
 }
 
+/// A waveform, and what its metadata say of it.
+#[derive(Clone, Copy)]
+struct Stated<'a> {
+    wave: &'a Wave,
+    unit: &'a str,
+}
+
+impl<'a> Stated<'a> {
+    fn of(artifact: &'a Artifact, id: &str) -> Option<Self> {
+        Some(Self { wave: artifact.waves().get(id)?, unit: artifact.unit_of_wave(id)? })
+    }
+
+    /// Another quantity; of one quantity another unit.
+    fn difference(self, other: Self) -> Option<Difference> {
+        let [x, y] = [self, other].map(|side| side.wave.quantity);
+        let (place, a, b) = match x == y {
+            false => ("quantity", x.name(), y.name()),
+            true if self.unit != other.unit => ("unit", self.unit, other.unit),
+            true => return None,
+        };
+        Some(Difference { place: place.into(), a: Some(json!(a)), b: Some(json!(b)), ..Difference::default() })
+    }
+}
+
 /// What stands under a topic. Records of other projects may stand there several times.
 enum Content<'a> {
-    Wave(&'a Wave),
+    Wave(Stated<'a>),
     Records(Vec<&'a RawRecord>),
 }
 
 impl Content<'_> {
+    /// Samples or values in it; a record that only its writer reads is one value.
+    fn size(&self, artifact: &Artifact) -> u64 {
+        match self {
+            Self::Wave(stated) => stated.wave.sampled.len() as u64,
+            Self::Records(records) => {
+                let values = |raw: &RawRecord| json_of(artifact, raw).ok().flatten().map_or(1, |value| leaves(&value));
+                records.iter().map(|raw| values(raw)).sum()
+            }
+        }
+    }
+
     fn kind(&self) -> String {
         match self {
-            Self::Wave(wave) => format!("waveform of {} samples", wave.sampled.len()),
+            Self::Wave(stated) => format!("waveform of {} samples", stated.wave.sampled.len()),
             Self::Records(records) => match records.as_slice() {
                 [record] => record.schema.clone(),
                 more => format!("{} records", more.len()),
@@ -89,7 +123,8 @@ fn contents(artifact: &Artifact) -> BTreeMap<String, Content<'_>> {
             Content::Wave(_) => {}
         }
     }
-    contents.extend(artifact.waves().iter().map(|(id, wave)| (format!("{WAVE_PREFIX}{id}"), Content::Wave(wave))));
+    let waves = artifact.waves().keys().filter_map(|id| Some((id, Stated::of(artifact, id)?)));
+    contents.extend(waves.map(|(id, stated)| (format!("{WAVE_PREFIX}{id}"), Content::Wave(stated))));
     contents
 }
 
@@ -98,11 +133,15 @@ fn topics(a: &Artifact, b: &Artifact, settings: &CompareSettings) -> Result<Vec<
     let names: BTreeSet<&String> = left.keys().chain(right.keys()).collect();
     let mut reports = Vec::new();
     for topic in names {
-        if settings.tolerances.tolerance_of(topic, "", None, None).is_any() {
+        if settings.tolerances.tolerance_of(topic, "", None, None) == Err(Reason::Ignored) {
+            let size = |side: Option<&Content<'_>>, artifact| side.map_or(0, |content| content.size(artifact));
+            let mut report = TopicReport::new(topic);
+            report.leaves_out(Reason::Ignored, size(left.get(topic), a).max(size(right.get(topic), b)));
+            reports.push(report);
             continue;
         }
         reports.push(match (left.get(topic), right.get(topic)) {
-            (Some(Content::Wave(x)), Some(Content::Wave(y))) => compare_waves(topic, x, y, settings),
+            (Some(Content::Wave(x)), Some(Content::Wave(y))) => compare_waves(topic, *x, *y, settings),
             (Some(Content::Records(x)), Some(Content::Records(y))) if x.len() == y.len() => {
                 let mut report = TopicReport::new(topic);
                 for (x, y) in x.iter().zip(y) {
@@ -131,6 +170,7 @@ fn append(report: &mut TopicReport, more: TopicReport) {
     report.saw_rel(more.max_rel);
     report.differences.extend(more.differences);
     report.aside.extend(more.aside);
+    more.not_compared.iter().for_each(|left| report.leaves_out(left.reason, left.count));
 }
 
 fn compare_records(
@@ -244,24 +284,22 @@ const GRID_PART_OF_INTERVAL: f64 = 1e-6;
 
 const GRID_START_S: f64 = 1e-9;
 
-/// Compares two waveforms: quantity, grid and length first, then sample by sample.
+/// Compares two waveforms: quantity, unit, grid and length first, then sample by sample.
 ///
 /// Relative differences refer to the largest magnitude of both waveforms: a sample near a zero crossing came out of
 /// large ones and carries their rounding error. On different grids samples are not compared.
-pub(crate) fn compare_waves(topic: &str, a: &Wave, b: &Wave, settings: &CompareSettings) -> TopicReport {
+fn compare_waves(topic: &str, a: Stated<'_>, b: Stated<'_>, settings: &CompareSettings) -> TopicReport {
     let mut report = TopicReport::new(topic);
+    if let Some(difference) = a.difference(b) {
+        report.differs(difference);
+    }
+    let (a, b) = (a.wave, b.wave);
     let unit = Unit::from_symbol(a.quantity.si_unit());
     let tolerance = settings.tolerances.tolerance_of(topic, "", unit, None);
-    if tolerance.is_any() {
-        return report;
-    }
     let mut frame = |place: &str, a: Value, b: Value| {
         let (abs, rel) = distance(&a, &b);
         report.differs(Difference { place: place.into(), a: Some(a), b: Some(b), abs, rel, ..Difference::default() });
     };
-    if a.quantity != b.quantity {
-        frame("quantity", json!(a.quantity.name()), json!(b.quantity.name()));
-    }
     let (x, y) = (&a.sampled, &b.sampled);
     let slack = |part: f64, fixed: f64| {
         if settings.tolerances.base == Base::Exact { 0.0 } else { part * x.dt_s() + fixed }
@@ -278,11 +316,21 @@ pub(crate) fn compare_waves(topic: &str, a: &Wave, b: &Wave, settings: &CompareS
     if x.len() != y.len() {
         frame("number of samples", json!(x.len()), json!(y.len()));
     }
+    let pairs = x.len().min(y.len()) as u64;
     if !(same_interval && same_start) {
+        report.leaves_out(Reason::OtherGrid, pairs);
         return report;
     }
+    match tolerance {
+        Ok(tolerance) => compare_samples(&mut report, a, b, tolerance, settings.bits),
+        Err(reason) => report.leaves_out(reason, pairs),
+    }
+    report
+}
 
-    let (x, y) = (x.samples(), y.samples());
+/// Adds the samples of two waveforms on one grid.
+fn compare_samples(report: &mut TopicReport, a: &Wave, b: &Wave, tolerance: Tolerance, bits: bool) {
+    let (x, y) = (a.sampled.samples(), b.sampled.samples());
     let scale = x.iter().chain(y).fold(0.0_f64, |most, value| most.max(value.abs()));
     let allowed = tolerance.abs + tolerance.rel * scale;
     let (mut first, mut worst, mut count) = (None, (0, 0.0), 0_u64);
@@ -291,7 +339,7 @@ pub(crate) fn compare_waves(topic: &str, a: &Wave, b: &Wave, settings: &CompareS
         if distance > worst.1 {
             worst = (k, distance);
         }
-        if distance > allowed || (settings.bits && p.to_bits() != q.to_bits()) {
+        if distance > allowed || (bits && p.to_bits() != q.to_bits()) {
             first = first.or(Some(k));
             count += 1;
         }
@@ -311,6 +359,7 @@ pub(crate) fn compare_waves(topic: &str, a: &Wave, b: &Wave, settings: &CompareS
                 rel: Some(relative(distance)),
                 sample: Some(k as u64),
                 time_s: Some(a.sampled.time_s(k)),
+                determined: None,
             }
         };
         report.differs(at(first));
@@ -319,7 +368,6 @@ pub(crate) fn compare_waves(topic: &str, a: &Wave, b: &Wave, settings: &CompareS
         }
         report.different += count - 1;
     }
-    report
 }
 
 fn distance(a: &Value, b: &Value) -> (Option<f64>, Option<f64>) {
@@ -331,9 +379,11 @@ fn distance(a: &Value, b: &Value) -> (Option<f64>, Option<f64>) {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Cursor;
+    use std::path::Path;
+
     use super::*;
-    use crate::Tolerances;
-    use crumple_artifact::InputDigest;
+    use crumple_artifact::{ArtifactBuilder, Compression, InputDigest};
     use crumple_signal::{QuantityKind, Sampled};
 
     #[test]
@@ -354,7 +404,12 @@ mod tests {
     }
 
     fn compare(a: &Wave, b: &Wave) -> TopicReport {
-        compare_waves("/wave/93", a, b, &CompareSettings::default())
+        compare_with(a, b, &CompareSettings::default())
+    }
+
+    fn compare_with(a: &Wave, b: &Wave, settings: &CompareSettings) -> TopicReport {
+        let stated = |wave| Stated { wave, unit: "m/s^2" };
+        compare_waves("/wave/93", stated(a), stated(b), settings)
     }
 
     #[test]
@@ -378,7 +433,7 @@ mod tests {
         assert_eq!(report.max_abs, Some(2e-15));
         let exact = Tolerances { base: Base::Exact, ..Tolerances::default() };
         let settings = CompareSettings { tolerances: exact, ..CompareSettings::default() };
-        assert_eq!(compare_waves("/wave/93", &a, &b, &settings).different, 1);
+        assert_eq!(compare_with(&a, &b, &settings).different, 1);
     }
 
     #[test]
@@ -396,5 +451,67 @@ mod tests {
     #[test]
     fn empty_waveforms_are_the_same() {
         assert!(compare(&wave(0.0, vec![]), &wave(0.0, vec![])).same);
+    }
+
+    /// A file with one waveform, whose metadata state a quantity and a unit.
+    fn file(quantity: QuantityKind, unit: &str) -> Artifact {
+        let mut builder = ArtifactBuilder::new();
+        builder.wave("93", quantity, Sampled::new(0.0, 0.5, vec![1.0, 2.0]).unwrap()).unwrap();
+        let mut written = Cursor::new(Vec::new());
+        let provenance = Provenance::new("mine", "1", "{}".into(), Vec::new());
+        builder.write_to(&mut written, &provenance, Compression::None).unwrap();
+        let mut file = Cursor::new(Vec::new());
+        let mut writer = mcap::WriteOptions::new().create(&mut file).unwrap();
+        for message in mcap::MessageStream::new(written.get_ref()).unwrap() {
+            let mut message = message.unwrap();
+            let channel = std::sync::Arc::make_mut(&mut message.channel);
+            channel.metadata.insert("unit".into(), unit.into());
+            writer.write(&message).unwrap();
+        }
+        writer.finish().unwrap();
+        drop(writer);
+        Artifact::read(Path::new("x.mcap"), file.get_ref().as_slice()).unwrap()
+    }
+
+    #[test]
+    fn another_unit_is_a_difference_and_another_spelling_is_none() {
+        let differences = |a: &Artifact, b: &Artifact| -> Vec<Difference> {
+            assert_eq!(a.digest(), b.digest(), "the digest does not see it");
+            let report = compare_artifacts("x.mcap", a, b, &CompareSettings::default()).unwrap();
+            report.topics.into_iter().flat_map(|topic| topic.differences).collect()
+        };
+        let other = |unit| file(QuantityKind::Other, unit);
+        let found = differences(&other("V"), &other("mV"));
+        let expected =
+            Difference { place: "unit".into(), a: Some(json!("V")), b: Some(json!("mV")), ..Difference::default() };
+        assert_eq!(found, [expected]);
+        assert!(differences(&other("V"), &other("V")).is_empty());
+        let spelled = |unit| file(QuantityKind::Acceleration, unit);
+        assert!(differences(&spelled("m/s^2"), &spelled("m/s2")).is_empty());
+        assert!(differences(&spelled("m/s^2"), &spelled("")).is_empty());
+    }
+
+    #[test]
+    fn samples_that_are_not_compared_are_counted() {
+        let count = |report: TopicReport| report.not_compared.iter().map(|left| (left.reason, left.count)).next();
+        let (a, b) = (wave(0.0, vec![1.0, 2.0]), wave(0.1, vec![1.0, 9.0]));
+        assert_eq!(count(compare(&a, &b)), Some((Reason::OtherGrid, 2)));
+        let stated = |wave| Stated { wave, unit: "m/s^2" };
+        let (topic, b) = ("/wave/nonlinear-2/direct-fit/1/acceleration", wave(0.0, vec![1.0, 9.0, 9.0]));
+        let mut settings = CompareSettings::default();
+        settings.tolerances.open.insert("nonlinear-2/direct-fit/1".into());
+        let report = compare_waves(topic, stated(&a), stated(&b), &settings);
+        assert_eq!(report.differences[0].place, "number of samples");
+        assert_eq!(count(report), Some((Reason::FollowsOpenParameter, 2)));
+        assert_eq!(
+            count(compare_waves("/wave/nonlinear-2/direct-fit/11/acceleration", stated(&a), stated(&b), &settings)),
+            None
+        );
+        // A topic that the user ignores is counted as a whole.
+        settings.tolerances.rules = crate::parse_rules("\"/wave/*\" = { ignore = true }").unwrap();
+        let [a, b] = ["V", "mV"].map(|unit| file(QuantityKind::Other, unit));
+        let [first] = topics(&a, &b, &settings).unwrap().try_into().unwrap();
+        assert!(first.same && !first.is_compared());
+        assert_eq!(count(first), Some((Reason::Ignored, 2)));
     }
 }

@@ -38,6 +38,45 @@ pub struct Difference {
     /// Its time in `a`, s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time_s: Option<f64>,
+    /// The side that determines the parameter, where the other leaves it open: a difference whatever the values.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub determined: Option<Side>,
+}
+
+/// Why values are not compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Reason {
+    /// They belong to a parameter that both sides leave open.
+    OpenParameter,
+    /// They follow from such a parameter, which has another value.
+    FollowsOpenParameter,
+    /// How a solver came to its result.
+    SolverSteps,
+    /// What the file was called that a record came in.
+    SourceName,
+    /// Samples on grids that differ.
+    OtherGrid,
+    /// A rule of the user says so.
+    Ignored,
+}
+
+/// Values that are not compared for one reason.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct NotCompared {
+    /// How many.
+    pub count: u64,
+    /// Why.
+    pub reason: Reason,
+}
+
+/// Adds to the count of a reason; the list stays in the order of reasons.
+fn add(list: &mut Vec<NotCompared>, more: NotCompared) {
+    match list.binary_search_by_key(&more.reason, |known| known.reason) {
+        Ok(k) => list[k].count += more.count,
+        Err(_) if more.count == 0 => {}
+        Err(k) => list.insert(k, more),
+    }
 }
 
 /// One topic of two artifacts, or a whole JSON file.
@@ -62,6 +101,9 @@ pub struct TopicReport {
     /// What differs and is no result: told for information.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub aside: Vec<Difference>,
+    /// Values that are not compared, by reason.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub not_compared: Vec<NotCompared>,
 }
 
 impl TopicReport {
@@ -73,6 +115,16 @@ impl TopicReport {
         self.same = false;
         self.different += 1;
         self.differences.push(difference);
+    }
+
+    /// Counts values that are not compared.
+    pub(crate) fn leaves_out(&mut self, reason: Reason, count: u64) {
+        add(&mut self.not_compared, NotCompared { count, reason });
+    }
+
+    /// Whether anything of it is compared.
+    pub(crate) fn is_compared(&self) -> bool {
+        self.values > 0 || !self.same || self.not_compared.is_empty()
     }
 
     /// Takes part in the largest relative difference.
@@ -142,5 +194,13 @@ impl Comparison {
     /// Puts the files' reports together.
     pub fn new(a: String, b: String, provenance_counts: bool, files: Vec<FileReport>) -> Self {
         Self { a, b, same: files.iter().all(|file| file.same), provenance_counts, files }
+    }
+
+    /// Values of all files that are not compared, by reason.
+    pub fn not_compared(&self) -> Vec<NotCompared> {
+        let mut list = Vec::new();
+        let topics = self.files.iter().flat_map(|file| &file.topics);
+        topics.flat_map(|topic| &topic.not_compared).for_each(|more| add(&mut list, *more));
+        list
     }
 }

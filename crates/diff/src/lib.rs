@@ -5,15 +5,17 @@
 //! `docs/diff.md`. Everything here works on values in memory; reading files is the business of the program.
 
 mod artifact;
+mod candidate;
 mod differences;
 mod error;
 mod json;
 mod print;
 mod ranking;
+mod texts;
 mod tolerances;
 
 pub use artifact::{compare_artifacts, open_candidates};
-pub use differences::{Comparison, Difference, FileReport, Side, TopicReport};
+pub use differences::{Comparison, Difference, FileReport, NotCompared, Reason, Side, TopicReport};
 pub use error::DiffError;
 pub use json::{Limit, compare_json, compare_with_limits};
 pub use print::{TextOptions, conclusion, write_text};

@@ -8,7 +8,7 @@ use crumple_artifact::WAVE_PREFIX;
 use serde_json::Value;
 
 use crate::Comparison;
-use crate::differences::{Difference, FileReport, Side, TopicReport};
+use crate::differences::{Difference, FileReport, NotCompared, Reason, Side, TopicReport};
 
 // What a reader asks for first when two results differ: events of the crash, parameters of candidates, metrics.
 
@@ -281,7 +281,40 @@ fn line(topic: &str, place: &str, difference: &Difference) -> String {
     if let (Some(abs), Some(rel)) = (difference.abs, difference.rel) {
         let _ = write!(text, "  (abs {}, rel {})", short(abs), short(rel));
     }
+    let parameter = || plain_name(place.rsplit_once('.').map_or(place, |(_, name)| name));
+    match difference.determined {
+        Some(Side::A) => text += &format!(", {} is no longer determined", parameter()),
+        Some(Side::B) => text += &format!(", {} is determined now", parameter()),
+        None => {}
+    }
     text
+}
+
+/// The name of a parameter without its unit: `unloading_stiffness_n_per_m` is `unloading stiffness`.
+fn plain_name(parameter: &str) -> String {
+    const UNITS: [&str; 8] = ["_n_s_per_m", "_n_per_m", "_m_per_s", "_s_per_m", "_kg", "_m", "_n", "_s"];
+    let name = UNITS.iter().find_map(|unit| parameter.strip_suffix(unit)).unwrap_or(parameter);
+    name.replace('_', " ")
+}
+
+/// How many values are not compared and why; `None`: all are.
+fn not_compared(list: &[NotCompared]) -> Option<String> {
+    let words = |reason: Reason| match reason {
+        Reason::OpenParameter => "parameters that both sides leave open",
+        Reason::FollowsOpenParameter => "what follows from such parameters",
+        Reason::SolverSteps => "steps of solvers",
+        Reason::SourceName => "names of sources",
+        Reason::OtherGrid => "samples on another time grid",
+        Reason::Ignored => "ignored by the tolerance file",
+    };
+    let total: u64 = list.iter().map(|left| left.count).sum();
+    let reasons = match list {
+        [] => return None,
+        [one] => words(one.reason).to_owned(),
+        _ => list.iter().map(|left| format!("{} ({})", words(left.reason), left.count)).collect::<Vec<_>>().join(", "),
+    };
+    let values = if total == 1 { "value is" } else { "values are" };
+    Some(format!("{total} {values} not compared: {reasons}"))
 }
 
 /// Four significant digits, with an exponent only where it helps.
@@ -304,9 +337,14 @@ fn value(value: Option<&Value>) -> String {
     }
 }
 
-/// What a comparison comes to, in one line.
+/// What a comparison comes to, in one line. Where values are not compared, a line before it says how many and why.
 pub fn conclusion(report: &Comparison) -> String {
-    let topics = || report.files.iter().flat_map(|file| &file.topics);
+    let result = result(report);
+    not_compared(&report.not_compared()).map_or_else(|| result.clone(), |line| format!("{line}\n{result}"))
+}
+
+fn result(report: &Comparison) -> String {
+    let topics = || report.files.iter().flat_map(|file| &file.topics).filter(|topic| topic.is_compared());
     let places = if report.files.len() == 1 { String::new() } else { format!(" in {} files", report.files.len()) };
     if report.same {
         let equal = report.files.iter().filter(|file| equal_digests(file)).count();
@@ -376,6 +414,12 @@ mod tests {
         ] {
             assert_eq!(Headline::of_difference(topic, place), None, "{topic}, {place}");
         }
+    }
+
+    #[test]
+    fn a_parameter_is_named_without_its_unit() {
+        let names = ["stiffness_n_per_m", "unloading_stiffness_n_per_m", "c2_n_s_per_m", "knot3_n", "v_thresh_m_per_s"];
+        assert_eq!(names.map(plain_name), ["stiffness", "unloading stiffness", "c2", "knot3", "v thresh"]);
     }
 
     #[test]

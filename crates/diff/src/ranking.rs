@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use serde_json::{Map, Value};
 
-use crate::tolerances::EQUAL_FIT_POINTS;
+use crate::candidate::EQUAL_FIT_POINTS;
 
 /// Criteria of candidates that differ by less do not tell them apart.
 const EQUAL_CRITERIA: f64 = 2.0;

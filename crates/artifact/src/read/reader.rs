@@ -49,6 +49,8 @@ pub struct Artifact {
     digest: String,
     records: Vec<RawRecord>,
     waves: BTreeMap<String, Wave>,
+    /// What metadata state of waveforms whose quantity has no unit of its own.
+    stated_units: BTreeMap<String, String>,
 }
 
 impl Artifact {
@@ -109,6 +111,12 @@ impl Artifact {
     /// The waveforms by channel id.
     pub fn waves(&self) -> &BTreeMap<String, Wave> {
         &self.waves
+    }
+
+    /// The unit of a waveform: SI of its quantity, of another quantity what its metadata state.
+    pub fn unit_of_wave(&self, id: &str) -> Option<&str> {
+        let unit = self.waves.get(id)?.quantity.si_unit();
+        Some(self.stated_units.get(id).map_or(unit, String::as_str))
     }
 
     /// Decodes the record under `topic`; `None` if there is no such topic.
@@ -372,6 +380,7 @@ impl<'a> Scan<'a> {
             digest,
             records: self.records,
             waves: BTreeMap::new(),
+            stated_units: BTreeMap::new(),
         };
         // The quantity of a waveform without metadata comes from the test's channel list, if it is there.
         let test: Option<TestV1> = artifact.record("/test").ok().flatten();
@@ -385,6 +394,12 @@ impl<'a> Scan<'a> {
                 topic: topic.name.clone(),
                 problem,
             })?;
+            if let Some(unit) = topic.metadata.get("unit")
+                && quantity == QuantityKind::Other
+                && !unit.is_empty()
+            {
+                artifact.stated_units.insert(id.clone(), unit.clone());
+            }
             artifact.waves.insert(id, Wave { quantity, sampled });
         }
         Ok(artifact)

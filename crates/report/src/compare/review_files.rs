@@ -223,7 +223,7 @@ pub fn to_json(compared: &[(Review, Comparison)], all: bool) -> Value {
     let summary = |(review, comparison): &(Review, Comparison)| {
         json!({"name": review.name, "a": comparison.a, "b": comparison.b, "same": comparison.same,
             "causes": review.causes, "unexplained": review.unexplained, "recommended": review.models,
-            "numbers": review.rows.iter().map(row).collect::<Vec<_>>()})
+            "numbers": review.rows.iter().map(row).collect::<Vec<_>>(), "not_compared": comparison.not_compared()})
     };
     let mut value = json!({
         "schema": "crumple.diff.v1",
