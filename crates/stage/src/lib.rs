@@ -28,7 +28,7 @@ mod terminal;
 mod typed;
 
 pub use artifacts::inputs::{Inputs, Loaded, Tests, load_artifacts, load_tests, refuse_a_mixture};
-pub use artifacts::output::{Output, artifacts_of_a_run, refuse_to_overwrite};
+pub use artifacts::output::{Output, artifacts_of_a_run, refuse_to_overwrite, results_of_an_earlier_run};
 pub use chain_table::{MassOfTable, NumberOfTable, TakenNumbers, read_chain, total_mass_remark, typed};
 pub use command_line::args::{keep_budget, memory_limit_flag};
 pub use command_line::left_out::LeftOut;
