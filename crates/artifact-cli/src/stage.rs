@@ -18,8 +18,8 @@ use crumple_signal::value::Length;
 use crumple_stage::joints::{Contradiction, Invariant, contradictions, invariant, invariants};
 use crumple_stage::{
     ExitStatus, Program, Refused, Usage, artifacts_of_a_run, chain, columns, keep_budget, labelled, load_artifacts,
-    nearest, printable, program, refuse_a_mixture, refuse_to_overwrite, run_tool, say, to_stdout, unknown_name,
-    wrapped,
+    nearest, printable, program, refuse_a_mixture, refuse_to_overwrite, results_of_an_earlier_run, run_tool, say,
+    to_stdout, unknown_name, wrapped,
 };
 
 /// Shows and checks artifacts (the *.mcap files of a run), unpacks them into plain files and packs plain files into an
@@ -179,6 +179,9 @@ fn notes(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
     for path in paths {
         if path.is_dir() {
             files.extend(artifacts_of_a_run(path)?);
+            if let Some(problem) = results_of_an_earlier_run(path) {
+                say(format_args!("note: {problem}"));
+            }
             ranked = concerns_of_a_run(path).filter(|_| paths.len() == 1);
         } else {
             files.push(path.clone());
