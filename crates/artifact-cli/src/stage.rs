@@ -17,9 +17,9 @@ use crumple_artifact::{
 use crumple_signal::value::Length;
 use crumple_stage::joints::{Contradiction, Invariant, contradictions, invariant, invariants};
 use crumple_stage::{
-    ExitStatus, PIPELINE_OF_A_RUN, Pipeline, Program, Refused, Usage, artifacts_of_a_run, chain, columns, keep_budget,
-    labelled, load_artifacts, nearest, printable, program, refuse_a_mixture, refuse_to_overwrite, run_tool, say,
-    to_stdout, unknown_name, wrapped,
+    ExitStatus, Pipeline, Program, Refused, Usage, artifacts_of_a_run, chain, columns, keep_budget, labelled,
+    load_artifacts, nearest, printable, program, refuse_a_mixture, refuse_to_overwrite, results_of_an_earlier_run,
+    run_tool, say, to_stdout, unknown_name, wrapped,
 };
 
 /// Shows and checks artifacts (the *.mcap files of a run), unpacks them into plain files and packs plain files into an
@@ -179,6 +179,9 @@ fn notes(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
     for path in paths {
         if path.is_dir() {
             files.extend(artifacts_of_a_run(path)?);
+            if let Some(problem) = results_of_an_earlier_run(path) {
+                say(format_args!("note: {problem}"));
+            }
             ranked = concerns_of_a_run(path).filter(|_| paths.len() == 1);
         } else {
             files.push(path.clone());
@@ -295,7 +298,7 @@ fn faults_together(artifacts: &[Artifact], is_folder: bool) -> Vec<String> {
 
 /// The pipeline of a run folder; `None` where there is none that can be read, which is no fault of its artifacts.
 fn pipeline_of(folder: &Path) -> Option<Pipeline> {
-    Pipeline::read(&folder.join(PIPELINE_OF_A_RUN), None).ok()
+    Pipeline::read(&folder.join(Pipeline::OF_A_RUN), None).ok()
 }
 
 /// What an artifact of a run folder was made from and is not there.

@@ -32,5 +32,6 @@ pub use index::{IndexedRun, status};
 pub use page::document::{Page, write_shared_files};
 pub use phrases::words::fill;
 pub use run_numbers::RunNumber;
-pub use stage::diff::{ACCEPT, DIFF, diff};
+pub use stage::accept::ACCEPT;
+pub use stage::diff::{DIFF, diff};
 pub use stage::{COMPARE, INDEX, PROGRAM};

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf, is_separator};
 
 /// The pipeline of a run in its folder.
-pub(crate) use crumple_stage::PIPELINE_OF_A_RUN;
+pub(crate) const PIPELINE_OF_A_RUN: &str = crumple_stage::Pipeline::OF_A_RUN;
 
 /// What a record is called wherever its project lies: its path below that, elsewhere its folder and its name.
 pub(crate) fn place_of_record(project: &Path, record: &Path) -> String {

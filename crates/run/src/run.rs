@@ -41,7 +41,8 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
         return predict_joint(made, &options);
     }
     let (pipeline, path) = pipeline_and_folder(&options)?;
-    let mut composed = pipeline.read(&options.project, &options.set)?;
+    let composed = pipeline.read(&options.project, &options.set);
+    let mut composed = composed.inspect_err(|_| note_usage_error(&options, &path))?;
     let (stages, left_out) = stages_of(&options, &composed, &options.programs.commands()?)?;
     let outputs = || chain().flat_map(|stage| stage.outputs);
     note_run(&mut composed, &options, &pipeline, &stages);
@@ -62,7 +63,7 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
         && (composed.is_set() || !pipeline.is_of(&options.project))
         && let Some(status) = run.check_options()?
     {
-        return Ok(status);
+        return run.failed(status, before.as_ref());
     }
     if let Some(before) = before.as_ref().filter(|_| !options.is_quiet()) {
         say_what_changed(&composed, before);
@@ -124,6 +125,16 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
     }
     given.keep(folder.path(), &composed)?;
     Ok(status)
+}
+
+/// Notes in the folder of a run that its next one had no pipeline to run: the results are those of the one before.
+fn note_usage_error(options: &Options, path: &Path) {
+    let Ok(Some(mut noted)) = pipeline_before(path) else { return };
+    if options.again.is_none() {
+        noted.note_end(crumple_stage::Pipeline::FAILED, ExitStatus::Usage as u8);
+        // Where it cannot be written, the error of the pipeline says enough.
+        _ = written(path, &noted).map(|file| file.persist(path.join(PIPELINE_OF_A_RUN)));
+    }
 }
 
 /// The pipeline and the folder of the run.

@@ -28,7 +28,7 @@ mod terminal;
 mod typed;
 
 pub use artifacts::inputs::{Inputs, Loaded, Tests, load_artifacts, load_tests, refuse_a_mixture};
-pub use artifacts::output::{Output, artifacts_of_a_run, refuse_to_overwrite};
+pub use artifacts::output::{Output, artifacts_of_a_run, refuse_to_overwrite, results_of_an_earlier_run};
 pub use chain_table::{MassOfTable, NumberOfTable, TakenNumbers, read_chain, total_mass_remark, typed};
 pub use command_line::args::{keep_budget, memory_limit_flag};
 pub use command_line::left_out::LeftOut;
@@ -37,7 +37,7 @@ pub use command_line::pipeline_file::Pipeline;
 pub use crumple_artifact::{Artifact, InputDigest, Record, Wave, records};
 pub use environment::{refuse_unknown_variables, variable_of, variables};
 pub use error::{ExitStatus, MissingTopic, RefuseExt, Refused, Usage, unknown_name};
-pub use names::{ChainStage, PIPELINE_OF_A_RUN, chain, errors_in_words, nearest, told_apart};
+pub use names::{ChainStage, chain, errors_in_words, nearest, told_apart};
 pub use process::{Call, Outcome, Program, Stage, run_stage, run_tool};
 pub use terminal::{Progress, be_quiet, columns, labelled, labelled_and_cut, printable, say, to_stdout, wrapped};
 pub use typed::{IN_RUN, OF_ARTIFACT, Way, by_way, flag, option, program};

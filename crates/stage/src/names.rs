@@ -45,9 +45,6 @@ pub fn nearest<'a>(name: &str, choices: impl IntoIterator<Item = &'a str>) -> Op
 /// One line a stage, as it was when the program was built.
 const CHAIN: &str = include_str!("../../../pipelines/chain");
 
-/// The pipeline in the folder of a run, as it was run.
-pub const PIPELINE_OF_A_RUN: &str = "0-pipeline.toml";
-
 /// Names of the stages in the order of the chain.
 pub(crate) static STAGES: LazyLock<Vec<&str>> = LazyLock::new(|| chain().map(|stage| stage.name).collect());
 

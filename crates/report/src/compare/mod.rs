@@ -1,8 +1,12 @@
 //! Several runs on one page: curves over each other, numbers, parameters and settings side by side, differences marked.
 //! What counts as different is crumple-diff's.
 
+pub mod causes;
+pub mod compared;
 pub mod compared_run;
 pub mod document;
+pub mod expected;
+pub mod facts;
 pub mod figure;
 pub mod first_screen;
 pub mod numbers;

@@ -1,18 +1,20 @@
-//! The numbers of several runs: key numbers, parameters of the recommended models, predicted crush; how far each is
-//! from that of the first run, as a multiple of what counts as the same.
+//! The numbers of several runs: key numbers, parameters of the recommended models, what these predict; how far each and
+//! its interval are from those of the first run, as a multiple of what counts as the same.
 
 use std::collections::BTreeMap;
 
 use crumple_artifact::records::{CandidateV1, Doubt, PredictionV1};
 use crumple_diff::{Base, CompareSettings, Limit, Tolerances, compare_with_limits};
-use crumple_signal::key_quantities::CRUSH;
+use crumple_signal::key_quantities::{CRUSH, DELTA_V, KeyQuantity, OLC, PEAK, RESTITUTION, TIME_OF_CRUSH};
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::drawing::numbers::{ABSENT, KM_PER_H_PER_M_PER_S, digits_of_interval};
+use crate::drawing::numbers::{ABSENT, digits_of_interval};
 use crate::findings::{CandidateSummary, Summary, parameter, parameter_order};
 use crate::phrases::PHRASES;
 use crate::phrases::words::{self, fill};
+
+use super::facts::{asked, scenarios};
 
 /// What a quantity is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -22,8 +24,10 @@ pub enum Group {
     KeyNumber,
     /// The recommended model.
     Parameter,
-    /// Another test, by the recommended model.
+    /// Crush of another test, by the recommended model.
     Prediction,
+    /// What else it says of that test.
+    PredictedDetail,
 }
 
 /// How many digits a quantity is shown with.
@@ -64,6 +68,22 @@ pub struct RunValue {
     sign: &'static str,
     /// How far it may be from that of the first run.
     limit: Option<Limit>,
+    /// How far an end of its interval may be from that of the first run, as a share of the first interval's width.
+    interval_share: f64,
+}
+
+/// How far an end of an interval may move, as a share of its width, and still be the same: a standard deviation comes
+/// from an inverse and is known to a tenth, as is half of the interval that is made from it.
+pub const INTERVAL_SHARE: f64 = 0.05;
+
+/// Whether the ends of intervals have a limit of their own, beside that of every number.
+pub fn allows_intervals(settings: &CompareSettings) -> bool {
+    let Tolerances { base, abs, rel, .. } = settings.tolerances;
+    base != Base::Exact && abs.is_none() && rel.is_none() && !settings.bits
+}
+
+fn interval_share(settings: &CompareSettings) -> f64 {
+    if allows_intervals(settings) { INTERVAL_SHARE } else { 0.0 }
 }
 
 impl Quantity {
@@ -84,6 +104,35 @@ impl Quantity {
     /// Whether a run's number is farther from that of the first run than the limit.
     pub fn differs(&self, run: usize) -> bool {
         self.beyond(run) > 1.0
+    }
+
+    /// Whether a run's interval is another one than that of the first run, or one of both has none.
+    pub fn interval_differs(&self, run: usize) -> bool {
+        let (Some(first), Some(own)) = (&self.values[0], &self.values[run]) else { return false };
+        let (Some(before), Some(after)) = (first.interval, own.interval) else {
+            return first.interval.is_some() != own.interval.is_some();
+        };
+        let width = before[0].zip(before[1]).map_or(0.0, |(low, high)| high - low);
+        let allowed = |end: f64| match own.limit {
+            Some(Limit { tolerance, .. }) => tolerance.abs + tolerance.rel * end.abs(),
+            None => 0.0,
+        };
+        before.into_iter().zip(after).any(|ends| match ends {
+            (Some(x), Some(y)) => (x - y).abs() > allowed(x.abs().max(y.abs())).max(own.interval_share * width),
+            (x, y) => x.is_some() != y.is_some(),
+        })
+    }
+
+    /// A run's interval in the unit of people.
+    pub fn interval(&self, run: usize) -> Option<String> {
+        let ends = self.values[run].as_ref()?.interval?;
+        let digits = ends[0].zip(ends[1]).map_or(3, |(low, high)| digits_of_interval(low, high, 3));
+        let end = |end: Option<f64>| match (end, self.digits) {
+            (None, _) => PHRASES.model.open.to_owned(),
+            (Some(end), Digits::Decimals(_)) => self.number(end, 0),
+            (Some(end), Digits::Significant(_)) => words::significant(self.factor * end, digits),
+        };
+        Some(words::between(&end(ends[0]), &end(ends[1])))
     }
 
     /// The change over the limit, both as they are shown.
@@ -155,18 +204,7 @@ impl Quantity {
     pub fn beside(&self, run: usize) -> String {
         let Some(own) = &self.values[run] else { return String::new() };
         let change = self.change(run).filter(|_| self.differs(run));
-        let interval = || {
-            let ends = own.interval?;
-            let open = PHRASES.model.open;
-            let digits = ends[0].zip(ends[1]).map_or(3, |(low, high)| digits_of_interval(low, high, 3));
-            let end = |end: Option<f64>| match (end, self.digits) {
-                (None, _) => open.to_owned(),
-                (Some(end), Digits::Decimals(_)) => self.number(end, 0),
-                (Some(end), Digits::Significant(_)) => words::significant(self.factor * end, digits),
-            };
-            Some(words::between(&end(ends[0]), &end(ends[1])))
-        };
-        let known = own.doubt.map(str::to_owned).or_else(interval);
+        let known = own.doubt.map(str::to_owned).or_else(|| self.interval(run));
         change.into_iter().chain(known).collect::<Vec<_>>().join("; ")
     }
 }
@@ -206,6 +244,7 @@ fn key_numbers(runs: &[&Summary], settings: &CompareSettings) -> Vec<Quantity> {
                 doubt: None,
                 sign: number.sign(),
                 limit: limits[k].get(&format!("[{name}].value")).copied(),
+                interval_share: interval_share(settings),
             })
         };
         Some(Quantity {
@@ -246,15 +285,17 @@ fn parameters(runs: &[&Summary], settings: &CompareSettings) -> Vec<Quantity> {
             let known = record.uncertainty.as_ref();
             let ends = known.and_then(|known| Some((known.interval_low.get(name)?, known.interval_high.get(name)?)));
             let texts = &PHRASES.model;
+            let doubt = record.doubt(name);
             Some(RunValue {
                 value: *record.parameters.get(name)?,
                 interval: ends.map(|(low, high)| [*low, *high]),
-                doubt: record.doubt(name).map(|doubt| match doubt {
+                doubt: doubt.map(|doubt| match doubt {
                     Doubt::OnBound => texts.on_a_bound,
                     Doubt::NotDetermined => texts.not_determined,
                 }),
                 sign: "",
                 limit: limits[k].get(&format!("parameters.{name}")).copied(),
+                interval_share: if doubt.is_some() { f64::INFINITY } else { interval_share(settings) },
             })
         };
         Some(Quantity {
@@ -281,46 +322,75 @@ fn record(candidate: &CandidateSummary) -> CandidateV1 {
     }
 }
 
-/// Predicted crush against the wall at the speeds that more than one run was predicted at.
+/// Field of [`PredictionV1`] and how its number is shown.
+type Predicted = (fn(&PredictionV1) -> Option<f64>, &'static str, &'static KeyQuantity);
+
+/// What a prediction says of an impact, the crush first.
+pub const PREDICTED: [Predicted; 6] = [
+    (|made| made.dynamic_crush_m, "dynamic_crush_m", &CRUSH),
+    (|made| made.time_of_dynamic_crush_s, "time_of_dynamic_crush_s", &TIME_OF_CRUSH),
+    (|made| made.delta_v_m_per_s, "delta_v_m_per_s", &DELTA_V),
+    (|made| made.coefficient_of_restitution, "coefficient_of_restitution", &RESTITUTION),
+    (|made| made.peak_acceleration_m_per_s2, "peak_acceleration_m_per_s2", &PEAK),
+    (|made| made.olc_m_per_s2, "olc_m_per_s2", &OLC),
+];
+
+/// What the recommended models say of the impacts that more than one run was predicted at.
 fn predictions(runs: &[&Summary], settings: &CompareSettings) -> Vec<Quantity> {
-    let mut predicted: Vec<BTreeMap<u64, &PredictionV1>> = Vec::new();
-    for run in runs {
-        let wall = run.predictions.iter().filter(|p| p.partner.is_none() && p.collision.is_none());
-        let of_model = wall.filter(|p| Some(&p.candidate) == run.recommended.as_ref() && p.dynamic_crush_m.is_some());
-        // Bits of positive numbers are in the order of the numbers.
-        predicted.push(of_model.map(|p| (p.impact_speed_m_per_s.to_bits(), p)).collect());
-    }
-    let mut speeds: Vec<u64> = predicted.iter().flat_map(|of_run| of_run.keys().copied()).collect();
-    speeds.sort_unstable();
-    speeds.dedup();
-    speeds.retain(|speed| predicted.iter().filter(|of_run| of_run.contains_key(speed)).count() > 1);
-    let crush = |p: &PredictionV1| json!({ "dynamic_crush_m": p.dynamic_crush_m });
-    let row = |speed: u64| {
-        let of_runs: Vec<Option<&PredictionV1>> = predicted.iter().map(|of_run| of_run.get(&speed).copied()).collect();
-        let records: Vec<Value> = of_runs.iter().map(|p| p.map_or(Value::Null, crush)).collect();
-        let limits = limits("/prediction/1", &records, settings);
-        let value = |k: usize| {
-            let own = of_runs[k]?;
-            let interval = own.intervals.iter().find(|interval| interval.name == "dynamic_crush_m");
-            Some(RunValue {
-                value: own.dynamic_crush_m?,
-                interval: interval.map(|interval| [Some(interval.low), Some(interval.high)]),
-                limit: limits[k].get("dynamic_crush_m").copied(),
-                ..RunValue::default()
-            })
-        };
-        let at = words::quantity(KM_PER_H_PER_M_PER_S * f64::from_bits(speed), 1, "km/h");
-        Quantity {
-            group: Group::Prediction,
-            key: format!("crush at {}", at.replace('\u{a0}', " ")),
-            name: fill(PHRASES.runs.predicted_crush, &[("speed", at)]),
-            unit: CRUSH.unit,
-            factor: CRUSH.factor,
-            digits: Digits::Decimals(1),
-            values: (0..runs.len()).map(value).collect(),
-        }
+    let of_best = |run: &Summary, made: &PredictionV1| run.recommended.as_ref() == Some(&made.candidate);
+    let made_of = |run: &Summary| -> Vec<(String, PredictionV1)> {
+        let mut made: Vec<_> = scenarios(run).into_iter().filter(|(_, made)| of_best(run, made)).collect();
+        made.sort_by(|(_, a), (_, b)| a.impact_speed_m_per_s.total_cmp(&b.impact_speed_m_per_s));
+        made.into_iter().map(|(id, made)| (id, made.clone())).collect()
     };
-    speeds.into_iter().map(row).collect()
+    let predicted: Vec<Vec<(String, PredictionV1)>> = runs.iter().map(|run| made_of(run)).collect();
+    let of_run = |run: usize, id: &str| predicted[run].iter().find(|(own, _)| own == id).map(|(_, made)| made);
+    let ids = in_order(predicted.iter().map(|of_run| of_run.iter().map(|(id, _)| id.as_str()).collect()));
+    let shared = ids.into_iter().filter(|id| (0..runs.len()).filter(|k| of_run(*k, id).is_some()).count() > 1);
+    let rows = shared.flat_map(|id| {
+        let of_runs: Vec<Option<&PredictionV1>> = (0..runs.len()).map(|k| of_run(k, id)).collect();
+        let at = of_runs.iter().zip(runs).find_map(|(made, run)| Some(asked(run, (*made)?))).unwrap_or_default();
+        PREDICTED.iter().map(move |one| predicted_row(one, &at, &of_runs, settings)).collect::<Vec<_>>()
+    });
+    rows.filter(|row| row.values.iter().any(Option::is_some)).collect()
+}
+
+/// One number of one impact.
+fn predicted_row(
+    (number, field, quantity): &Predicted,
+    at: &str,
+    of_runs: &[Option<&PredictionV1>],
+    settings: &CompareSettings,
+) -> Quantity {
+    let records: Vec<Value> = of_runs.iter().map(|made| json!({ *field: made.and_then(number) })).collect();
+    let limits = limits("/prediction/1", &records, settings);
+    let value = |k: usize| {
+        let made = of_runs[k]?;
+        let interval = made.intervals.iter().find(|interval| interval.name == *field);
+        Some(RunValue {
+            value: number(made)?,
+            interval: interval.map(|interval| [Some(interval.low), Some(interval.high)]),
+            limit: limits[k].get(*field).copied(),
+            interval_share: interval_share(settings),
+            ..RunValue::default()
+        })
+    };
+    let is_crush = quantity.key == CRUSH.key;
+    // A predicted crush is that of a model, and is compared closer than it is measured.
+    let decimals = quantity.decimals + usize::from(is_crush);
+    let speed = at.replacen(' ', "\u{a0}", 1);
+    Quantity {
+        group: if is_crush { Group::Prediction } else { Group::PredictedDetail },
+        key: format!("{} at {at}", if is_crush { "crush" } else { quantity.key }),
+        name: match is_crush {
+            true => fill(PHRASES.runs.predicted_crush, &[("speed", speed)]),
+            false => fill(PHRASES.runs.predicted_number, &[("number", quantity.name.to_owned()), ("speed", speed)]),
+        },
+        unit: quantity.unit,
+        factor: quantity.factor,
+        digits: Digits::Decimals(decimals),
+        values: (0..of_runs.len()).map(value).collect(),
+    }
 }
 
 /// Names of all lists, each once: those of the first, then what others add.

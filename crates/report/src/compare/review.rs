@@ -1,91 +1,17 @@
 //! What a reviewer asks of two results: what was done differently, what an engineer would notice of it, which model.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
-use crumple_diff::CompareSettings;
-use serde::{Deserialize, Serialize};
+use crumple_diff::{Base, CompareSettings};
 
 use crate::drawing::numbers::ABSENT;
-use crate::findings::{StageRecord, Summary, candidate_name};
+use crate::findings::candidate_name;
 
-use super::quantities::{Group, Quantity, quantities, recommended};
-use super::settings::settings_of;
+use super::causes::{ArtifactChanges, Cause, causes, unexplained};
+use super::expected::Expected;
+use super::facts::{Fact, facts};
+use super::quantities::{Group, Quantity, quantities};
 use super::table::plain;
-
-/// What is kept of an accepted run, small enough for a repository: `expected/<record>.json`.
-#[derive(Debug, Clone, Default, Serialize, Deserialize)]
-#[serde(default)]
-pub struct Expected {
-    /// `crumple.expected.v1`.
-    pub schema: String,
-    /// The record: its file's name and digest.
-    pub record: [String; 2],
-    /// Programs, settings and content digests of the artifacts.
-    pub stages: Vec<StageRecord>,
-    /// Key numbers, the recommended model, its predictions.
-    pub summary: Summary,
-}
-
-impl Expected {
-    /// The schema of such a file.
-    pub const SCHEMA: &str = "crumple.expected.v1";
-
-    /// Of a run: what a review compares, and nothing besides.
-    pub fn new(record: [String; 2], stages: Vec<StageRecord>, summary: &Summary) -> Self {
-        let wall = |id: &String| Some(id) == summary.recommended.as_ref();
-        let kept = Summary {
-            schema: summary.schema.clone(),
-            pipeline: summary.pipeline.clone(),
-            test: summary.test.clone(),
-            key_numbers: summary.key_numbers.clone(),
-            candidates: recommended(summary).cloned().into_iter().collect(),
-            recommended: summary.recommended.clone(),
-            predictions: summary.predictions.iter().filter(|made| wall(&made.candidate)).cloned().collect(),
-            ..Summary::default()
-        };
-        Self { schema: Self::SCHEMA.to_owned(), record, stages, summary: kept }
-    }
-
-    fn record(&self) -> String {
-        let [name, digest] = &self.record;
-        let digest = digest.split_once(':').map_or(digest.as_str(), |(_, hex)| hex);
-        format!("{name} ({})", digest.get(..8).unwrap_or(digest))
-    }
-}
-
-/// What two results were made with that is not the same.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Cause {
-    /// What it is.
-    pub kind: CauseKind,
-    /// `record`, `filter` for a program, `filter.cfc` for a setting.
-    pub name: String,
-    /// Before.
-    pub from: String,
-    /// After.
-    pub to: String,
-    /// File and line that state what it is after.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub place: Option<(String, usize)>,
-}
-
-/// What a cause is, gravest first.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "lowercase")]
-#[allow(missing_docs, reason = "named after what they are")]
-pub enum CauseKind {
-    Record,
-    Program,
-    Pipeline,
-    Setting,
-}
-
-impl std::fmt::Display for Cause {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} {} -> {}", self.name, self.from, self.to)?;
-        self.place.as_ref().map_or(Ok(()), |(file, line)| write!(f, " ({file}:{line})"))
-    }
-}
 
 /// Two results beside each other.
 #[derive(Debug)]
@@ -98,10 +24,18 @@ pub struct Review {
     pub unexplained: Vec<String>,
     /// Numbers that differ, those farthest beyond their limit first; then the key numbers that do not.
     pub rows: Vec<Quantity>,
+    /// What differs beside the numbers.
+    pub facts: Vec<Fact>,
+    /// Artifacts that differ.
+    pub artifacts: ArtifactChanges,
     /// How many numbers of each group there are.
     pub counts: BTreeMap<Group, usize>,
+    /// Whether an earlier version accepted the run and kept less of it.
+    pub is_earlier: bool,
     /// Whether both say how they were made.
     is_known: bool,
+    /// Whether another content, and another way to make it, are differences by themselves.
+    is_strict: [bool; 2],
     /// The recommended models.
     pub models: [Option<String>; 2],
 }
@@ -117,6 +51,9 @@ impl Review {
         let mut rows = quantities(&[&a.summary, &b.summary], settings);
         let mut counts = BTreeMap::new();
         rows.iter().for_each(|row| *counts.entry(row.group).or_insert(0) += 1);
+        let is_one_model = a.summary.recommended == b.summary.recommended;
+        let with_interval = rows.iter().filter(|row| row.group != Group::Parameter || is_one_model);
+        let facts = facts([a, b], &with_interval.collect::<Vec<_>>(), settings);
         rows.retain(|row| row.group == Group::KeyNumber || row.differs(1));
         rows.sort_by(|x, y| y.differs(1).cmp(&x.differs(1)).then(y.beyond(1).total_cmp(&x.beyond(1))));
         let model = |side: &Expected| side.summary.recommended.as_deref().map(candidate_name);
@@ -131,7 +68,11 @@ impl Review {
             causes: causes([a, b], place),
             unexplained: unexplained([a, b]),
             rows,
+            facts,
+            artifacts: ArtifactChanges::new([a, b]),
             counts,
+            is_earlier: a.is_earlier() || b.is_earlier(),
+            is_strict: [settings.tolerances.base == Base::Exact, settings.provenance],
             is_known: !a.stages.is_empty() && !b.stages.is_empty(),
             models,
         }
@@ -142,15 +83,46 @@ impl Review {
         self.rows.iter().filter(|row| row.differs(1))
     }
 
-    /// Whether no number is beyond its limit and both recommend the same model.
+    /// Whether nothing that people decide by is beyond its limit, and no artifact is missing.
     pub fn is_same(&self) -> bool {
-        self.differing().next().is_none() && self.models[0] == self.models[1]
+        let [_, by_provenance] = self.is_strict;
+        self.differing().next().is_none()
+            && self.facts.is_empty()
+            && self.models[0] == self.models[1]
+            && !self.artifacts_count()
+            && !(by_provenance && !self.causes.is_empty())
+    }
+
+    /// Whether an artifact is missing, or has another content where that counts.
+    pub fn artifacts_count(&self) -> bool {
+        let ArtifactChanges { gone, new, differing } = &self.artifacts;
+        !gone.is_empty() || !new.is_empty() || (self.is_strict[0] && !differing.is_empty())
+    }
+
+    /// Which artifacts differ, in one line; `None`: none does.
+    pub fn artifacts_line(&self) -> Option<String> {
+        let ArtifactChanges { gone, new, differing } = &self.artifacts;
+        let of = |what: &str, stages: &[String]| (!stages.is_empty()).then(|| format!("{what}: {}", stages.join(", ")));
+        let parts = [of("only before", gone), of("only after", new), of("other content", differing)];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        (!parts.is_empty()).then(|| format!("artifacts differ; {}", parts.join("; ")))
+    }
+
+    /// What an earlier version did not keep of the accepted run, in one line.
+    pub fn not_compared(&self) -> Option<&'static str> {
+        self.is_earlier.then_some(
+            "accepted by an earlier version, so not compared: status, warnings, contact, events, other metrics and \
+             models; crumple accept keeps them",
+        )
     }
 
     /// What was done differently, in one line.
     pub fn cause(&self) -> String {
         let follows = match (&self.causes[..], &self.unexplained[..]) {
             ([], _) if !self.is_known => return "how they were made is not known".to_owned(),
+            ([], []) if self.artifacts == ArtifactChanges::default() && !self.is_same() => {
+                return "no option, record, program or artifact differs: the summary does".to_owned();
+            }
             ([], _) => return "no option, record or program differs: the numerics do".to_owned(),
             (_, []) => "the rest follows".to_owned(),
             (_, stages) => format!("{} differs though all it is made from is the same", stages.join(", ")),
@@ -164,8 +136,12 @@ impl Review {
 
     /// How many numbers differ, of each group.
     pub fn counted(&self) -> String {
-        let texts =
-            [(Group::KeyNumber, "key number"), (Group::Parameter, "parameter"), (Group::Prediction, "prediction")];
+        let texts = [
+            (Group::KeyNumber, "key number"),
+            (Group::Parameter, "parameter"),
+            (Group::Prediction, "prediction"),
+            (Group::PredictedDetail, "other predicted number"),
+        ];
         let parts = texts.iter().filter_map(|(group, name)| {
             let all = *self.counts.get(group)?;
             let apart = self.differing().filter(|row| row.group == *group).count();
@@ -214,27 +190,35 @@ impl Review {
     pub fn lines(&self, most: usize) -> Vec<String> {
         let mut head = self.head();
         head.push(self.counted());
+        head.extend(self.artifacts_line());
+        head.extend(self.not_compared().map(str::to_owned));
         let foot = format!("recommended model: {}", self.model());
         let heads = ["", "before", "after", "change", "limit"].map(str::to_owned);
         let room = most.saturating_sub(head.len() + 3);
-        let rows = self.rows.iter().take(room).map(|row| {
-            let mark = if row.differs(1) { "!" } else { "" };
-            let or_absent = |text: Option<String>| text.unwrap_or_else(|| ABSENT.to_owned());
-            let cells =
-                [plain(&row.name), row.shown(0), row.shown(1), or_absent(row.change(1)), or_absent(row.limit(1))];
-            (cells, mark)
-        });
-        let table: Vec<([String; 5], &str)> = std::iter::once((heads, "")).chain(rows).collect();
+        let or_absent = |text: Option<String>| text.unwrap_or_else(|| ABSENT.to_owned());
+        let of_row = |row: &Quantity| {
+            [plain(&row.name), row.shown(0), row.shown(1), or_absent(row.change(1)), or_absent(row.limit(1))]
+        };
+        let of_fact = |fact: &Fact| {
+            let [before, after] = fact.values.each_ref().map(|value| shortened(value));
+            [fact.key.clone(), before, after, ABSENT.to_owned(), ABSENT.to_owned()]
+        };
+        let (loud, quiet): (Vec<&Quantity>, Vec<&Quantity>) = self.rows.iter().partition(|row| row.differs(1));
+        let loud = loud.into_iter().map(|row| (of_row(row), "!"));
+        let facts = self.facts.iter().map(|fact| (of_fact(fact), "!"));
+        let all: Vec<_> = loud.chain(facts).chain(quiet.into_iter().map(|row| (of_row(row), ""))).collect();
+        let left = all.len().saturating_sub(room);
+        let is_empty = all.is_empty();
+        let table: Vec<([String; 5], &str)> = std::iter::once((heads, "")).chain(all.into_iter().take(room)).collect();
         let width = |k: usize| table.iter().map(|(row, _)| row[k].chars().count()).max().unwrap_or(0);
         let widths: [usize; 5] = std::array::from_fn(width);
         let line = |(cells, mark): &([String; 5], &str)| {
             let padded: Vec<String> = cells.iter().zip(widths).map(|(cell, width)| format!("{cell:<width$}")).collect();
             format!("{}  {mark}", padded.join("  ")).trim_end().to_owned()
         };
-        if !self.rows.is_empty() {
+        if !is_empty {
             head.extend(table.iter().map(line));
         }
-        let left = self.rows.len().saturating_sub(room);
         if left > 0 {
             head.push(format!("and {left} more: --all"));
         }
@@ -243,88 +227,22 @@ impl Review {
     }
 }
 
-fn causes([a, b]: [&Expected; 2], place: impl Fn(&str, &str) -> Option<(String, usize)>) -> Vec<Cause> {
-    let cause =
-        |kind, name: &str, from: String, to: String| Cause { kind, name: name.to_owned(), from, to, place: None };
-    let mut all = Vec::new();
-    if a.record[1] != b.record[1] {
-        all.push(cause(CauseKind::Record, "record", a.record(), b.record()));
-    }
-    let [before, after] = [a, b].map(|side| settings_of(&side.stages));
-    let names: BTreeSet<&String> = before.keys().chain(after.keys()).collect();
-    let chain = |name: &str| {
-        let stage = name.split('.').next().unwrap_or_default();
-        b.stages.iter().chain(&a.stages).position(|record| record.stage == stage)
-    };
-    let mut settings: Vec<Cause> = Vec::new();
-    for name in names {
-        let [from, to] = [&before, &after].map(|of| of.get(name).cloned().unwrap_or_else(|| ABSENT.to_owned()));
-        // Settings of a stage that another program stands in for are not its own.
-        let of_missing = |side: &Expected| {
-            let mut own = side.stages.iter().filter(|record| name.split('.').next() == Some(record.stage.as_str()));
-            own.any(|record| record.settings.is_empty() || record.settings == "{}" || record.settings == "null")
-        };
-        let is_version = name.ends_with(".version");
-        if from == to || (!is_version && of_missing(a) != of_missing(b)) {
-            continue;
-        }
-        match name.strip_suffix(".version") {
-            Some(stage) => settings.push(cause(CauseKind::Program, stage, from, to)),
-            None => {
-                let (stage, key) = name.split_once('.').unwrap_or((name, ""));
-                settings.push(Cause { place: place(stage, key), ..cause(CauseKind::Setting, name, from, to) });
-            }
-        }
-    }
-    settings.sort_by_key(|cause| (cause.kind, chain(&cause.name)));
-    let pipelines = [a, b].map(|side| side.summary.pipeline.clone().unwrap_or_default());
-    let is_set = settings.iter().any(|cause| cause.kind == CauseKind::Setting);
-    all.extend(settings);
-    if pipelines[0] != pipelines[1] && is_set {
-        let [from, to] = pipelines;
-        all.push(cause(CauseKind::Pipeline, "pipeline", from, to));
-    }
-    all.sort_by_key(|cause| cause.kind);
-    all
-}
+/// Most characters of a text in a table of a terminal.
+const OF_TEXT: usize = 40;
 
-/// Stages whose content differs though their program, settings and inputs are the same.
-fn unexplained([a, b]: [&Expected; 2]) -> Vec<String> {
-    let same = a.record[1] == b.record[1];
-    let pairs = a.stages.iter().filter_map(|x| Some((x, b.stages.iter().find(|y| y.stage == x.stage)?)));
-    pairs
-        .filter(|(x, y)| {
-            (&x.version, &x.settings, &x.inputs) == (&y.version, &y.settings, &y.inputs) && x.digest != y.digest && same
-        })
-        .map(|(x, _)| x.stage.clone())
-        .collect()
-}
-
-/// The line of a pipeline file that states an option of a stage; a nested one by its first part.
-pub fn line_of(text: &str, stage: &str, key: &str) -> Option<usize> {
-    let first = key.split('.').next()?;
-    let mut table = "";
-    for (number, line) in text.lines().enumerate() {
-        let line = line.trim();
-        if let Some(head) = line.strip_prefix('[') {
-            table = head.trim_end_matches(']').trim();
-        }
-        let is_key = |name: &str| line.strip_prefix(name).is_some_and(|rest| rest.trim_start().starts_with('='));
-        let in_stage = table == stage && (is_key(first) || is_key(&first.replace('_', "-")));
-        if in_stage || table == format!("{stage}.{first}") {
-            return Some(number + 1);
-        }
-    }
-    None
+fn shortened(text: &str) -> String {
+    let Some((end, _)) = text.char_indices().nth(OF_TEXT) else { return text.to_owned() };
+    format!("{}…", text[..end].trim_end())
 }
 
 #[cfg(test)]
 pub mod tests {
     use std::borrow::Cow;
 
+    use super::super::causes::CauseKind;
     use super::super::quantities::engineering;
     use super::*;
-    use crate::findings::{CandidateSummary, KeyNumber};
+    use crate::findings::{CandidateSummary, KeyNumber, StageRecord, Summary};
 
     /// A run with these key numbers and parameters of its recommended model, filtered with this class.
     pub fn made(cfc: u16, numbers: &[(&'static str, f64, &'static str)], stiffness: &[f64]) -> Expected {
@@ -416,14 +334,5 @@ pub mod tests {
         let without = made(60, &[], &[1e5]);
         assert_eq!(review(&a, &without).rows[0].beyond(1), f64::INFINITY);
         assert!(review(&a, &a).is_same());
-    }
-
-    #[test]
-    fn an_option_is_found_where_a_pipeline_file_states_it() {
-        let text = "# a\n[filter]\ncfc = 180\n\n[identify]\ncfc = 2\nmax-order = 3\n[filter.zero_level]\nx = 1\n";
-        assert_eq!(line_of(text, "filter", "cfc"), Some(3));
-        assert_eq!(line_of(text, "identify", "max_order"), Some(7));
-        assert_eq!(line_of(text, "filter", "zero_level.from_s"), Some(8));
-        assert_eq!(line_of(text, "filter", "mode"), None);
     }
 }

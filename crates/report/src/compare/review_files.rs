@@ -1,12 +1,14 @@
 //! Reviews as files that machines show: Markdown for a merge request, JUnit for its tests, annotations of GitHub, JSON.
 
-use crumple_diff::Comparison;
+use crumple_diff::{Comparison, conclusion};
 use serde_json::{Value, json};
 
 use crate::drawing::escape::html;
 use crate::drawing::numbers::ABSENT;
 use crate::findings::markdown;
 
+use super::compared::Compared;
+use super::facts::Fact;
 use super::quantities::{Group, Quantity};
 use super::review::Review;
 use super::table::plain;
@@ -20,16 +22,18 @@ const LONGEST_BAR: f64 = 12.0;
 /// Most bytes of the JSON, but for `--all`.
 const MOST_OF_JSON: usize = 100_000;
 
-/// The comment for a merge request: first those that differ, each under its name, then the same ones in one line.
-/// `again` is the command that makes it, `accept` the one that takes the results.
-pub fn to_markdown(reviews: &[&Review], again: &str, accept: &str) -> String {
-    let names: Vec<&str> = reviews.iter().map(|review| review.name.as_str()).collect();
+/// The comment for a merge request: first those that could not be compared, in a line each, then those that differ,
+/// each under its name, then the same ones in one line. `again` is the command that makes it, `accept` the one that
+/// takes the results.
+pub fn to_markdown(compared: &[Compared], again: &str, accept: &str) -> String {
+    let names: Vec<&str> = compared.iter().map(|one| one.name.as_str()).collect();
     let mut text = format!("<!-- crumple: {} -->\n", comment(&names.join(", ")));
+    text.push_str(&without_review(compared));
     let mut left = Vec::new();
-    let (same, differing): (Vec<&Review>, Vec<&Review>) = reviews.iter().copied().partition(|review| review.is_same());
-    for review in differing {
-        let section =
-            [section(review, true), section(review, false)].into_iter().find(|text| text.len() <= MOST_OF_ONE);
+    let (same, others): (Vec<&Compared>, Vec<&Compared>) = compared.iter().partition(|one| one.is_same());
+    for (review, comparison) in others.into_iter().filter_map(Compared::review) {
+        let sections = [true, false].map(|with_details| section(review, comparison, with_details));
+        let section = sections.into_iter().find(|text| text.len() <= MOST_OF_ONE);
         match section.filter(|section| text.len() + section.len() < MOST) {
             Some(section) => text.push_str(&section),
             None => left.push(review.name.as_str()),
@@ -39,17 +43,51 @@ pub fn to_markdown(reviews: &[&Review], again: &str, accept: &str) -> String {
         text.push_str(&format!("Too long for a comment: {}. The report has them.\n\n", markdown(&left.join(", "))));
     }
     if !same.is_empty() {
-        let names: Vec<&str> = same.iter().map(|review| review.name.as_str()).take(40).collect();
-        let more =
-            if same.len() > names.len() { format!(" and {} more", same.len() - names.len()) } else { String::new() };
-        text.push_str(&format!("The same within the limits: {}{more}.\n\n", markdown(&names.join(", "))));
+        text.push_str(&format!("The same within the limits: {}.\n\n", listed(&same)));
+        let notes = same.iter().filter_map(|one| one.review()).filter_map(|(review, _)| aside(review));
+        notes.take(NAMED).for_each(|note| text.push_str(&note));
     }
-    if same.len() < reviews.len() {
+    if same.len() < compared.len() {
         let accept = accept.replace('`', "'");
         text.push_str(&format!("To take the results of all records: `{accept}`, and commit what it writes.\n"));
     }
     text.push_str(&format!("To compare again, after new runs: `{}`.\n", again.replace('`', "'")));
     text
+}
+
+/// Most records that are named in a line.
+const NAMED: usize = 40;
+
+fn listed(records: &[&Compared]) -> String {
+    let names: Vec<&str> = records.iter().map(|one| one.name.as_str()).take(NAMED).collect();
+    let more = if records.len() > NAMED { format!(" and {} more", records.len() - NAMED) } else { String::new() };
+    format!("{}{more}", markdown(&names.join(", ")))
+}
+
+/// The records that could not be compared, and those that nobody has accepted.
+fn without_review(compared: &[Compared]) -> String {
+    let problems: Vec<(&Compared, &str)> = compared.iter().filter_map(|one| Some((one, one.problem()?))).collect();
+    if problems.is_empty() {
+        return String::new();
+    }
+    let mut text = format!("### {} of {} records not compared\n\n", problems.len(), compared.len());
+    for (one, problem) in problems.iter().take(NAMED) {
+        let name = markdown(&one.name);
+        text.push_str(&format!("- **{name}**: {}: {}\n", markdown(one.said_word()), markdown(problem)));
+    }
+    if problems.len() > NAMED {
+        text.push_str(&format!("- and {} more\n", problems.len() - NAMED));
+    }
+    text.push('\n');
+    text
+}
+
+/// What is to be known of a record that is the same.
+fn aside(review: &Review) -> Option<String> {
+    let notes = [review.artifacts_line(), review.not_compared().map(str::to_owned)];
+    let notes: Vec<String> = notes.into_iter().flatten().collect();
+    let name = markdown(&review.name);
+    (!notes.is_empty()).then(|| format!("{name}: {}.\n\n", markdown(&notes.join("; "))))
 }
 
 /// A text inside of an HTML comment.
@@ -58,12 +96,14 @@ fn comment(text: &str) -> String {
 }
 
 /// What differs in one record; without its details where they are too long.
-fn section(review: &Review, with_details: bool) -> String {
+fn section(review: &Review, comparison: &Comparison, with_details: bool) -> String {
     let cause = match review.causes.first() {
         Some(cause) => {
-            format!("Cause: `{}` {} → {}", cause.name.replace('`', "'"), markdown(&cause.from), markdown(&cause.to))
+            let place = cause.place.as_ref().map(|(file, line)| format!(" ({}:{line})", markdown(file)));
+            let [from, to] = [&cause.from, &cause.to].map(|value| markdown(value));
+            format!("Cause: `{}` {from} → {to}{}", cause.name.replace('`', "'"), place.unwrap_or_default())
         }
-        None => "No option, record or program differs".to_owned(),
+        None => markdown(&review.cause().replacen('n', "N", 1)),
     };
     let more = match (review.causes.len(), review.unexplained.is_empty()) {
         (0, _) => "",
@@ -84,12 +124,27 @@ fn section(review: &Review, with_details: bool) -> String {
         text.push_str(&format!(" Within the limits: {}.", others.join(", ")));
     }
     let counted = review.counted().replacen('b', "B", 1);
+    let notes = [in_files(review, comparison), review.artifacts_line(), review.not_compared().map(str::to_owned)];
+    let notes = notes.into_iter().flatten().map(|note| format!("{}.\n", sentence(&note)));
     let bold = if before == after { "" } else { "**" };
     let model = arrows(&review.model());
-    text.push_str(&format!("\n{}.\n{bold}Recommended model: {model}.{bold}\n\n", markdown(&counted)));
-    text.push_str("| | before | after | change | limit | change ÷ limit |\n|---|--:|--:|--:|--:|:--|\n");
-    let (shown, rest) = review.rows.split_at(review.rows.len().min(loud.len().clamp(8, 16)));
-    shown.iter().for_each(|row| text.push_str(&table_row(row)));
+    text.push_str(&format!(
+        "\n{}.\n{}{bold}Recommended model: {model}.{bold}\n\n",
+        markdown(&counted),
+        notes.collect::<String>()
+    ));
+    let rows: Vec<String> = loud.iter().map(|row| table_row(row)).collect();
+    let facts: Vec<String> = review.facts.iter().map(fact_row).collect();
+    let quiet: Vec<String> = quiet.iter().map(|row| table_row(row)).collect();
+    // Some of both kinds, whichever there are more of.
+    let (of_rows, of_facts) = (rows.len().min(16), facts.len().min(8));
+    let of_quiet = quiet.len().min(8_usize.saturating_sub(of_rows + of_facts));
+    let shown = [&rows[..of_rows], &facts[..of_facts], &quiet[..of_quiet]].concat();
+    let rest = [&rows[of_rows..], &facts[of_facts..], &quiet[of_quiet..]].concat();
+    if !shown.is_empty() {
+        text.push_str("| | before | after | change | limit | change ÷ limit |\n|---|--:|--:|--:|--:|:--|\n");
+        text.push_str(&shown.concat());
+    }
     if with_details && (!rest.is_empty() || review.causes.len() > 1) {
         text.push_str("\n<details><summary>All that differs</summary>\n\n");
         for cause in &review.causes {
@@ -97,12 +152,27 @@ fn section(review: &Review, with_details: bool) -> String {
         }
         if !rest.is_empty() {
             text.push_str("\n| | before | after | change | limit | |\n|---|--:|--:|--:|--:|:--|\n");
-            rest.iter().for_each(|row| text.push_str(&table_row(row)));
+            text.push_str(&rest.concat());
         }
         text.push_str("\n</details>\n");
     }
     text.push('\n');
     text
+}
+
+/// What differs in files beside the numbers of the table; of what was accepted there are no files.
+fn in_files(review: &Review, comparison: &Comparison) -> Option<String> {
+    let is_listed = review.differing().next().is_some() || !review.facts.is_empty();
+    (!comparison.same
+        && !is_listed
+        && comparison.files.iter().any(|file| !file.topics.is_empty() || file.only_in.is_some()))
+    .then(|| conclusion(comparison))
+}
+
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().map(|first| first.to_uppercase().to_string()).unwrap_or_default();
+    markdown(&format!("{first}{}", letters.as_str()))
 }
 
 /// A text with before and after, for Markdown.
@@ -137,56 +207,55 @@ fn table_row(row: &Quantity) -> String {
     )
 }
 
+/// The row of something that is no number: it differs, and has no limit.
+fn fact_row(fact: &Fact) -> String {
+    let [before, after] =
+        fact.values.each_ref().map(|value| markdown(&value.chars().take(OF_VALUE).collect::<String>()));
+    format!("| **{}** | {before} | **{after}** | {ABSENT} | {ABSENT} | |\n", markdown(&fact.key))
+}
+
+/// Most characters of a value that is a text.
+const OF_VALUE: usize = 200;
+
 /// Text of XML: escaped, without the characters that XML 1.0 has not.
 fn xml(text: &str) -> String {
     html(&text.replace(|c: char| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}'), " "))
 }
 
-/// JUnit: one suite a comparison, a case a key number, parameter, prediction that differs or is a key number, and file.
-pub fn to_junit(compared: &[(Review, Comparison)]) -> String {
+/// What became of a case: `None` passed, else whether it is an error and what was found.
+type Case = (&'static str, String, Option<(bool, String)>);
+
+/// JUnit: one suite a record, a case a key number, parameter, prediction that differs or is a key number, what else
+/// differs, and file; a record that cannot be compared is an error.
+pub fn to_junit(compared: &[Compared]) -> String {
     let mut text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"crumple diff\">\n".to_owned();
-    for (review, comparison) in compared {
-        let cause = xml(&review.cause());
-        let mut cases = Vec::new();
-        for row in &review.rows {
-            let group = match row.group {
-                Group::KeyNumber => "key_numbers",
-                Group::Parameter => "parameters",
-                Group::Prediction => "predictions",
-            };
-            let limit = row.limit(1).unwrap_or_else(|| ABSENT.to_owned());
-            let problem = format!("{} -> {}, {}, limit {limit}", row.shown(0), row.shown(1), change(row));
-            cases.push((group, row.key.clone(), row.differs(1).then_some(problem)));
-        }
-        let [before, after] = &review.models;
-        if before != after {
-            cases.push(("models", "recommended model".to_owned(), Some(review.model())));
-        }
-        for file in &comparison.files {
-            let apart = file.topics.iter().filter(|topic| !topic.same).count();
-            let problem = match file.only_in {
-                Some(_) => Some("on one side only".to_owned()),
-                None if apart > 0 => Some(format!("{apart} of {} topics differ", file.topics.len())),
-                // Its numbers and its model have cases of their own.
-                None => None,
-            };
-            cases.push(("files", format!("all other values of {}", file.name), problem));
-        }
-        let failures = cases.iter().filter(|(_, _, problem)| problem.is_some()).count();
-        let name = xml(&review.name);
-        text.push_str(&format!(
-            "<testsuite name=\"crumple diff: {name}\" tests=\"{}\" failures=\"{failures}\" errors=\"0\">\n",
-            cases.len()
-        ));
-        for (group, case, problem) in cases {
-            let head = format!("<testcase classname=\"{name}.{group}\" name=\"{}\"", xml(&case));
-            match problem {
-                None => text.push_str(&format!("{head}/>\n")),
-                Some(problem) => text.push_str(&format!(
-                    "{head}><failure message=\"{}\" type=\"different\">cause: {cause}</failure></testcase>\n",
-                    xml(&problem)
-                )),
+    for one in compared {
+        let (cause, cases) = match one.review() {
+            Some((review, comparison)) => (format!("cause: {}", review.cause()), cases_of(review, comparison)),
+            None => {
+                let problem = Some((one.trouble().is_some(), one.problem().unwrap_or_default().to_owned()));
+                (one.said_word().to_owned(), vec![("records", "results of the record".to_owned(), problem)])
             }
+        };
+        let count = |is_error: bool| {
+            cases.iter().filter(|(_, _, problem)| problem.as_ref().is_some_and(|(error, _)| *error == is_error)).count()
+        };
+        let name = xml(&one.name);
+        text.push_str(&format!(
+            "<testsuite name=\"crumple diff: {name}\" tests=\"{}\" failures=\"{}\" errors=\"{}\">\n",
+            cases.len(),
+            count(false),
+            count(true)
+        ));
+        for (group, case, problem) in &cases {
+            let head = format!("<testcase classname=\"{name}.{group}\" name=\"{}\"", xml(case));
+            let Some((is_error, problem)) = problem else {
+                text.push_str(&format!("{head}/>\n"));
+                continue;
+            };
+            let (tag, kind) = if *is_error { ("error", one.word()) } else { ("failure", "different") };
+            let (problem, cause) = (xml(problem), xml(&cause));
+            text.push_str(&format!("{head}><{tag} message=\"{problem}\" type=\"{kind}\">{cause}</{tag}></testcase>\n"));
         }
         text.push_str("</testsuite>\n");
     }
@@ -194,16 +263,58 @@ pub fn to_junit(compared: &[(Review, Comparison)]) -> String {
     text
 }
 
+fn cases_of(review: &Review, comparison: &Comparison) -> Vec<Case> {
+    let differs = |problem: Option<String>| problem.map(|problem| (false, problem));
+    let mut cases: Vec<Case> = Vec::new();
+    for row in &review.rows {
+        let group = match row.group {
+            Group::KeyNumber => "key_numbers",
+            Group::Parameter => "parameters",
+            Group::Prediction | Group::PredictedDetail => "predictions",
+        };
+        let limit = row.limit(1).unwrap_or_else(|| ABSENT.to_owned());
+        let problem = format!("{} -> {}, {}, limit {limit}", row.shown(0), row.shown(1), change(row));
+        cases.push((group, row.key.clone(), differs(row.differs(1).then_some(problem))));
+    }
+    for fact in &review.facts {
+        cases.push(("facts", fact.key.clone(), differs(Some(fact.values.join(" -> ")))));
+    }
+    let [before, after] = &review.models;
+    if before != after {
+        cases.push(("models", "recommended model".to_owned(), differs(Some(review.model()))));
+    }
+    if let Some(problem) = review.artifacts_line() {
+        cases.push(("artifacts", "artifacts".to_owned(), differs(Some(problem).filter(|_| review.artifacts_count()))));
+    }
+    for file in &comparison.files {
+        let apart = file.topics.iter().filter(|topic| !topic.same).count();
+        let problem = match file.only_in {
+            Some(_) => Some("on one side only".to_owned()),
+            None if apart > 0 => Some(format!("{apart} of {} topics differ", file.topics.len())),
+            // Its numbers and its model have cases of their own.
+            None => None,
+        };
+        cases.push(("files", format!("all other values of {}", file.name), differs(problem)));
+    }
+    cases
+}
+
 /// Annotations of GitHub: one line a comparison that differs, at the line of its cause where that is known.
-pub fn to_github(reviews: &[&Review]) -> String {
+pub fn to_github(compared: &[Compared]) -> String {
     let data = |text: &str| text.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A");
     let property = |text: &str| data(text).replace(':', "%3A").replace(',', "%2C");
     let mut text = String::new();
-    for review in reviews.iter().filter(|review| !review.is_same()) {
+    for one in compared.iter().filter(|one| !one.is_same()) {
+        let Some((review, _)) = one.review() else {
+            let title = property(&format!("{}: {}", one.name, one.said_word()));
+            text.push_str(&format!("::error title={title}::{}\n", data(one.problem().unwrap_or_default())));
+            continue;
+        };
         let place = review.causes.iter().find_map(|cause| cause.place.as_ref());
         let place = place.map_or_else(String::new, |(file, line)| format!("file={},line={line},", property(file)));
-        let said: Vec<String> =
-            review.differing().map(|row| format!("{} {} -> {}", row.name, row.shown(0), row.shown(1))).collect();
+        let of_rows = review.differing().map(|row| format!("{} {} -> {}", row.name, row.shown(0), row.shown(1)));
+        let of_facts = review.facts.iter().map(|fact| format!("{} {}", fact.key, fact.values.join(" -> ")));
+        let said: Vec<String> = of_rows.chain(of_facts).collect();
         let said = if said.is_empty() { review.model() } else { said.join("; ") };
         let title = property(&format!("{}: results changed", review.name));
         text.push_str(&format!("::error {place}title={title}::{}\n", data(&format!("{}. {said}", review.cause()))));
@@ -213,21 +324,27 @@ pub fn to_github(reviews: &[&Review]) -> String {
 
 /// The comparison as JSON: the summary first, then the files, each topic by its largest difference; with `all` every
 /// difference.
-pub fn to_json(compared: &[(Review, Comparison)], all: bool) -> Value {
+pub fn to_json(compared: &[Compared], all: bool) -> Value {
     let row = |row: &Quantity| {
         let side = |k: usize| row.values[k].as_ref().map(|own| own.value);
         let beyond = Some(row.beyond(1)).filter(|x| x.is_finite());
         json!({"group": row.group, "name": row.key, "from": side(0), "to": side(1), "beyond": beyond,
             "differs": row.differs(1), "within_interval": row.is_within_interval(1)})
     };
-    let summary = |(review, comparison): &(Review, Comparison)| {
-        json!({"name": review.name, "a": comparison.a, "b": comparison.b, "same": comparison.same,
-            "causes": review.causes, "unexplained": review.unexplained, "recommended": review.models,
-            "numbers": review.rows.iter().map(row).collect::<Vec<_>>(), "not_compared": comparison.not_compared()})
+    let fact = |fact: &Fact| json!({"name": fact.key, "from": fact.values[0], "to": fact.values[1]});
+    let summary = |one: &Compared| match one.review() {
+        Some((review, comparison)) => {
+            json!({"name": review.name, "a": comparison.a, "b": comparison.b, "same": comparison.same,
+                "status": one.word(), "causes": review.causes, "unexplained": review.unexplained,
+                "artifacts": review.artifacts, "not_kept": review.not_compared(), "recommended": review.models,
+                "numbers": review.rows.iter().map(row).collect::<Vec<_>>(),
+                "facts": review.facts.iter().map(fact).collect::<Vec<_>>(), "not_compared": comparison.not_compared()})
+        }
+        None => json!({"name": one.name, "same": false, "status": one.word(), "problem": one.problem(), "causes": []}),
     };
     let mut value = json!({
         "schema": "crumple.diff.v1",
-        "same": compared.iter().all(|(_, comparison)| comparison.same),
+        "same": compared.iter().all(Compared::is_same),
         "summary": compared.iter().map(summary).collect::<Vec<_>>(),
         "files": [],
         "left_out": 0,
@@ -235,7 +352,7 @@ pub fn to_json(compared: &[(Review, Comparison)], all: bool) -> Value {
     let mut files: Vec<Value> = Vec::new();
     let mut left_out = 0;
     let mut size = value.to_string().len();
-    for (review, comparison) in compared {
+    for (review, comparison) in compared.iter().filter_map(Compared::review) {
         for file in &comparison.files {
             let mut shown = file.clone();
             if !all {
@@ -261,20 +378,28 @@ pub fn to_json(compared: &[(Review, Comparison)], all: bool) -> Value {
 mod tests {
     use crumple_diff::FileReport;
 
+    use super::super::compared::{Outcome, Trouble, TroubleKind};
+    use super::super::expected::Expected;
     use super::super::review::tests::{made, review};
     use super::*;
 
-    fn peak(cfc: u16, value: f64, stiffness: &[f64]) -> super::super::review::Expected {
+    /// The record of a review; of what was accepted there is no file.
+    fn reviewed(name: &str, mut review: Review, file: &str) -> Compared {
+        let file = FileReport { name: file.into(), same: review.is_same(), ..FileReport::default() };
+        let comparison = Comparison::new("a".into(), "b".into(), false, vec![file]);
+        review.name = name.to_owned();
+        Compared { name: name.to_owned(), outcome: Outcome::Reviewed(review, comparison) }
+    }
+
+    fn peak(cfc: u16, value: f64, stiffness: &[f64]) -> Expected {
         made(cfc, &[("peak_acceleration", value, "m/s^2"), ("dynamic_crush", 0.45, "m")], stiffness)
     }
 
     #[test]
     fn the_comment_names_the_cause_and_what_changed_and_says_how_to_take_it() {
         let (a, b) = (peak(60, 175.0, &[1e5]), peak(180, 180.0, &[1e5]));
-        let (changed, mut same) = (review(&a, &b), review(&a, &a));
-        same.name = "kelvin".into();
-        let text =
-            to_markdown(&[&changed, &same], "crumple diff expected runs", "crumple accept runs").replace('\u{a0}', " ");
+        let compared = [reviewed("rigid", review(&a, &b), ""), reviewed("kelvin", review(&a, &a), "")];
+        let text = to_markdown(&compared, "crumple diff expected runs", "crumple accept runs").replace('\u{a0}', " ");
         insta::assert_snapshot!(text, @"
         <!-- crumple: rigid, kelvin -->
         ### Record rigid: results changed
@@ -302,35 +427,53 @@ mod tests {
         let many = |x: f64| (0..300).map(|k| x * f64::from(k + 1)).collect::<Vec<f64>>();
         let (a, mut b) = (peak(60, 175.0, &many(1e5)), peak(180, 180.0, &many(2e5)));
         b.record = ["@team <b>|\n`x`-->.csv".into(), "blake3:other".into()];
-        let mut found = review(&a, &b);
-        found.name = "a|b <!-- @x".into();
-        let text = to_markdown(&[&found], "crumple diff a b", "crumple accept runs");
+        let one = || reviewed("a|b <!-- @x", review(&a, &b), "");
+        let text = to_markdown(&[one()], "crumple diff a b", "crumple accept runs");
         assert!(text.len() < MOST_OF_ONE, "{} characters", text.len());
         assert_eq!(text.matches("-->").count(), 1, "{text}");
-        assert!(!text.contains("<b>"), "{text}");
-        let reviews: Vec<&Review> = (0..30).map(|_| &found).collect();
-        let all = to_markdown(&reviews, "crumple diff a b", "crumple accept runs");
+        assert!(!text.contains("<b>") && !text.contains("@x") && !text.contains("@team"), "{text}");
+        let all: Vec<Compared> = (0..30).map(|_| one()).collect();
+        let all = to_markdown(&all, "crumple diff a b", "crumple accept runs");
         assert!(all.len() < MOST && all.contains("Too long for a comment"), "{}", all.len());
     }
 
     #[test]
     fn tests_are_counted_and_annotations_stand_in_one_line() {
-        let found = review(&peak(60, 175.0, &[1e5]), &peak(180, 180.0, &[1e5]));
-        let file = FileReport { name: "3-integrate.mcap".into(), ..FileReport::default() };
-        let comparison = Comparison::new("a".into(), "b".into(), false, vec![file]);
-        let compared = [(found, comparison)];
+        let found = || review(&peak(60, 175.0, &[1e5]), &peak(180, 180.0, &[1e5]));
+        let compared = [reviewed("rigid", found(), "3-integrate.mcap")];
         let text = to_junit(&compared);
         assert!(text.contains("tests=\"3\" failures=\"1\" errors=\"0\""), "{text}");
         assert_eq!((text.matches("<testcase").count(), text.matches("<failure").count()), (3, 1));
-        let mut noted = review(&peak(60, 175.0, &[1e5]), &peak(180, 180.0, &[1e5]));
+        let mut noted = found();
         noted.causes[0].place = Some(("pipelines/default.toml".into(), 12));
-        noted.name = "a,b:c\nd".into();
-        let line = to_github(&[&noted]);
+        let line = to_github(&[reviewed("a,b:c\nd", noted, "")]);
         assert_eq!(line.lines().count(), 1, "{line}");
         assert!(
             line.starts_with("::error file=pipelines/default.toml,line=12,title=a%2Cb%3Ac%0Ad%3A results changed::")
         );
         let json = to_json(&compared, false);
         assert_eq!((&json["same"], &json["summary"][0]["causes"][0]["name"]), (&false.into(), &"filter.cfc".into()));
+    }
+
+    #[test]
+    fn a_record_without_results_is_an_error_and_one_that_is_not_accepted_a_failure() {
+        let trouble = |kind| Outcome::Trouble(Trouble { kind, problem: "why @here".into(), hint: "do".into() });
+        let one = |name: &str, outcome| Compared { name: name.to_owned(), outcome };
+        let same = peak(60, 175.0, &[1e5]);
+        let compared = [
+            reviewed("a", review(&same, &same), ""),
+            one("b", trouble(TroubleKind::Refused)),
+            one("c", trouble(TroubleKind::Missing)),
+            one("d", Outcome::New { problem: "runs/d/default is not in expected".into() }),
+        ];
+        let junit = to_junit(&compared);
+        assert_eq!((junit.matches("<error ").count(), junit.matches("<failure ").count()), (2, 1), "{junit}");
+        assert!(junit.contains("type=\"refused\"") && junit.contains("tests=\"1\" failures=\"0\" errors=\"1\""));
+        let text = to_markdown(&compared, "crumple diff expected runs", "crumple accept runs");
+        insta::assert_snapshot!(text.replace('\u{200b}', ""), @"");
+        assert_eq!(to_github(&compared).lines().count(), 3);
+        let json = to_json(&compared, false);
+        let words: Vec<&str> = (0..4).map(|k| json["summary"][k]["status"].as_str().unwrap()).collect();
+        assert_eq!((words, &json["same"]), (vec!["same", "refused", "missing", "not-accepted"], &false.into()));
     }
 }

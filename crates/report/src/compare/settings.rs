@@ -60,6 +60,13 @@ pub fn settings_of(stages: &[StageRecord]) -> BTreeMap<String, String> {
     settings
 }
 
+/// `stage.key.key` and the value of every option of a pipeline.
+pub fn options_of(stages: &BTreeMap<String, Value>) -> BTreeMap<String, String> {
+    let mut options = BTreeMap::new();
+    stages.iter().for_each(|(stage, value)| flatten(stage, value, &mut options));
+    options
+}
+
 fn flatten(place: &str, value: &Value, settings: &mut BTreeMap<String, String>) {
     match value {
         Value::Object(members) => {

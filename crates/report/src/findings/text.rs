@@ -19,6 +19,8 @@ pub fn markdown(text: &str) -> String {
     for c in text.chars() {
         match c {
             '\\' | '`' | '*' | '_' | '[' | ']' | '<' | '>' | '#' | '|' | '~' | '&' | '!' => out.extend(['\\', c]),
+            // A mention is found in what is shown, where the backslash is gone: only what stands behind it ends it.
+            '@' => out.push_str("\\@\u{200b}"),
             '\n' | '\r' => out.push(' '),
             c => out.push(c),
         }
@@ -181,6 +183,7 @@ mod tests {
 
     #[test]
     fn a_title_cannot_open_a_cell_a_link_or_a_tag() {
+        assert_eq!(markdown("@team"), "\\@\u{200b}team");
         assert_eq!(markdown("a|b [x](y)\n<b> *c* d_e"), "a\\|b \\[x\\](y) \\<b\\> \\*c\\* d\\_e");
     }
 

@@ -43,6 +43,7 @@ texts! { RunTexts
     certainty: "Certainty";
     displacement_fit: "Displacement fit";
     predicted_crush: "Predicted crush at {speed}";
+    predicted_number: "Predicted {number} at {speed}";
     record: "record";
     pipeline: "pipeline";
     more_in_report: "{count} more in the report.";
@@ -79,6 +80,7 @@ texts! { RunTexts
     not_acceptable: "no acceptable result";
     failed: "failed";
     ended_at: "the run ended at {stage}, before its report";
+    of_an_earlier_run: "{name} (results of an earlier run)";
     earlier_report: "the last run ended before its report: the numbers are those of the run before";
     vehicle_or_test: "Vehicle or test";
     numbers_of_it: "Numbers of it";

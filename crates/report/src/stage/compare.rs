@@ -4,7 +4,8 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::compare::first_screen::shell_word;
-use crate::{ComparedRun, RunComparison};
+use crate::phrases::PHRASES;
+use crate::{ComparedRun, RunComparison, fill};
 use anyhow::Context;
 use crumple_artifact::{OutputKind, write_atomically};
 use crumple_stage::{
@@ -23,10 +24,12 @@ pub fn compare(folders: &[PathBuf], page: &Path, markdown: Option<&Path>, quiet:
     let mut runs = Vec::new();
     for (folder, name) in folders.iter().zip(told_apart(folders)) {
         let artifacts = artifacts_of_a_run(folder)?;
+        let is_earlier = Pipeline::failure_in(folder).is_some();
+        let name = if is_earlier { fill(PHRASES.runs.of_an_earlier_run, &[("name", name)]) } else { name };
         refuse_to_overwrite(page, OutputKind::Report, &artifacts)?;
         keep_budget(&artifacts, ExitStatus::Refused);
         let mut run = gather(&load_artifacts(&artifacts)?.input, None)?;
-        let note = folder.join("0-pipeline.toml");
+        let note = folder.join(Pipeline::OF_A_RUN);
         if note.is_file() {
             run.pipeline = Pipeline::read(&note, None)?.name().map(str::to_owned);
         }

@@ -1,29 +1,28 @@
-//! `crumple-diff` and `crumple accept`: two results, or two folders of runs, as a reviewer reads them.
+//! `crumple-diff`: two results, or two folders of runs, as a reviewer reads them.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crumple_artifact::records::TestV1;
-use crumple_artifact::{Artifact, OutputKind, WAVE_PREFIX, refuse_named_pipe};
+use crumple_artifact::OutputKind;
 use crumple_diff::{
-    Base, CompareSettings, Comparison, DiffError, FileReport, Side, TextOptions, Tolerances, compare_artifacts,
-    compare_json, conclusion, open_candidates, parse_rules, write_text,
+    Base, CompareSettings, Comparison, DiffError, FileReport, TextOptions, Tolerances, conclusion, parse_rules,
+    write_text,
 };
 use crumple_stage::{
-    Call, ExitStatus, Program, Usage, keep_budget, printable, program, refuse_to_overwrite, run_tool, to_stdout,
+    Call, ExitStatus, Program, Usage, keep_budget, printable, program, refuse_to_overwrite, results_of_an_earlier_run,
+    run_tool, say, to_stdout,
 };
 
 use super::compare::write;
-use super::gather::stage_record;
-use crate::Summary;
+use super::results::{Pair, Side, files, pairs, place_of};
+use super::run_folders::FoundRun;
+use crate::compare::compared::{Compared, Outcome, Trouble, TroubleKind};
 use crate::compare::first_screen::shell_word;
-use crate::compare::review::{Expected, Review, line_of};
+use crate::compare::review::Review;
 use crate::compare::review_files::{to_github, to_json, to_junit, to_markdown};
 use crate::compare::why::Divided;
 
-const SUMMARY: &str = "summary.json";
-const PIPELINE: &str = "0-pipeline.toml";
 /// Lines on a terminal, but for `--all`.
 const LINES: usize = 25;
 
@@ -38,8 +37,8 @@ const LINES: usize = 25;
 #[command(
     name = "crumple-diff",
     version,
-    after_help = "Exit codes: 0 same, 1 different, 2 trouble (a file is missing, truncated, corrupted, or the command \
-        line is wrong)."
+    after_help = "Exit codes: 0 same, 1 different, 2 trouble (a run is missing or was refused, a file is truncated or \
+        corrupted, or the command line is wrong)."
 )]
 struct Args {
     /// What was: an artifact, a run folder, a folder of runs, or expected/.
@@ -97,18 +96,6 @@ struct Args {
     quiet: bool,
 }
 
-/// Keeps the accepted numbers of runs: expected/RECORD.json, a small file each, for a repository.
-#[derive(Debug, clap::Parser)]
-#[command(name = "crumple-accept", version)]
-struct AcceptArgs {
-    /// Run folders, or folders of runs.
-    #[arg(required = true, value_name = "RUN")]
-    runs: Vec<PathBuf>,
-    /// Folder to write to.
-    #[arg(long, value_name = "FOLDER", default_value = "expected")]
-    into: PathBuf,
-}
-
 /// The program. Here 1 means "different" and every failure is 2, whatever its kind.
 pub const DIFF: Program = Program::of_tool::<Args>("diff", |call| diff(call, None));
 
@@ -119,10 +106,6 @@ pub type Why = fn(&Path, &Path) -> anyhow::Result<Divided>;
 pub fn diff(call: &Call, why: Option<Why>) -> ExitStatus {
     run_tool(call, |args: Args| run(&args, why).map_err(trouble))
 }
-
-/// `crumple accept`.
-pub const ACCEPT: Program =
-    Program::of_tool::<AcceptArgs>("accept", |call| run_tool(call, |args: AcceptArgs| accept(&args).map_err(trouble)));
 
 /// A path as a word of a shell.
 fn word(path: &Path) -> String {
@@ -145,7 +128,8 @@ impl Args {
     }
 }
 
-fn trouble(error: anyhow::Error) -> anyhow::Error {
+/// Every failure is of the same exit code.
+pub fn trouble(error: anyhow::Error) -> anyhow::Error {
     // An error that tells its cause in its own words does not tell it twice.
     let mut text = error.to_string();
     for cause in error.chain().skip(1).map(ToString::to_string) {
@@ -201,39 +185,112 @@ fn run(args: &Args, why: Option<Why>) -> anyhow::Result<ExitStatus> {
     }
     keep_budget(&results, ExitStatus::Usage);
     let settings = settings(args)?;
+    let pairs = pairs(&args.a, &args.b)?;
     let mut compared = Vec::new();
     let mut topics = BTreeSet::new();
-    for (name, a, b) in pairs(&args.a, &args.b)? {
-        let [before, after] = [Read::of(&a)?, Read::of(&b)?];
-        let own = b.join(PIPELINE);
-        let place = |stage: &str, key: &str| place_of(&own, after.kept.summary.pipeline.as_deref(), stage, key);
-        let review = Review::new(&name, [&before.kept, &after.kept], &settings, place);
-        let files = if before.is_kept || after.is_kept {
-            let same = review.is_same();
-            vec![FileReport { name: "key numbers and recommended model".to_owned(), same, ..FileReport::default() }]
-        } else {
-            files(&a, &b, &settings)?
+    for pair in pairs {
+        let name = pair.name.clone();
+        let is_named = |run: &Option<FoundRun>, typed: &Path| run.as_ref().is_some_and(|run| run.path == typed);
+        let is_one = is_named(&pair.before, &args.a) && is_named(&pair.after, &args.b);
+        let outcome = match compare_pair(pair, args, &settings, &mut topics) {
+            Ok(outcome) => outcome,
+            Err(error) if is_one => return Err(error),
+            Err(error) => Outcome::Trouble(unreadable(error)),
         };
-        topics.extend(before.topics);
-        topics.extend(after.topics);
-        let comparison = Comparison::new(a.display().to_string(), b.display().to_string(), settings.provenance, files);
-        compared.push((review, comparison));
+        compared.push(Compared { name, outcome });
     }
-    settings.tolerances.refuse_unmatched(topics.iter().map(String::as_str))?;
-    let same = compared.iter().all(|(_, comparison)| comparison.same);
-    let reviews: Vec<&Review> = compared.iter().map(|(review, _)| review).collect();
-    let why = why.filter(|_| args.why && !same);
+    // Where nothing could be read, no topic is known.
+    if compared.iter().any(|one| one.review().is_some()) {
+        settings.tolerances.refuse_unmatched(topics.iter().map(String::as_str))?;
+    }
+    let is_same = compared.iter().all(Compared::is_same);
+    let why = why.filter(|_| args.why && !is_same);
     let divided = why.map(|why| why(&args.a, &args.b)).transpose()?;
+    write_files(args, &compared, divided.as_ref())?;
+    let says = !args.quiet && args.json.as_deref().is_none_or(|path| path != Path::new("-"));
+    let mut text = if args.github { to_github(&compared) } else { String::new() };
+    if says {
+        let mut said = lines(&compared, args.all)?;
+        said.extend(divided.iter().flat_map(Divided::lines));
+        text += &said.join("\n");
+        text.push('\n');
+    }
+    // A reader that closes the pipe still gets the exit code.
+    to_stdout(printable(&text).as_bytes())?;
+    if !args.quiet {
+        for trouble in compared.iter().filter_map(Compared::trouble) {
+            say(format_args!("error: {}\n  hint: {}", trouble.problem, trouble.hint));
+        }
+    }
+    Ok(match is_same {
+        _ if compared.iter().any(|one| one.trouble().is_some()) => ExitStatus::Usage,
+        true => ExitStatus::Done,
+        false => ExitStatus::Failure,
+    })
+}
+
+/// Compares the results of one name. Errors: one of them cannot be read.
+fn compare_pair(
+    pair: Pair,
+    args: &Args,
+    settings: &CompareSettings,
+    topics: &mut BTreeSet<String>,
+) -> anyhow::Result<Outcome> {
+    let Pair { name, before, after } = pair;
+    let refused = [&before, &after].into_iter().flatten().find_map(|run| results_of_an_earlier_run(&run.path));
+    if let Some(problem) = refused {
+        let hint = "run the record again, and see why it ends".to_owned();
+        return Ok(Outcome::Trouble(Trouble { kind: TroubleKind::Refused, problem, hint }));
+    }
+    let (before, after) = match (before, after) {
+        (Some(before), Some(after)) => (before, after),
+        (None, after) => {
+            let place = after.map_or_else(|| args.b.clone(), |run| run.path);
+            let problem = format!("{} is not in {}", place.display(), args.a.display());
+            return Ok(Outcome::New { problem });
+        }
+        (_, None) => {
+            let problem = format!("{} has no run {name}, which {} has", args.b.display(), args.a.display());
+            let hint = "run the record, and see why it ends; or remove what was accepted of it".to_owned();
+            return Ok(Outcome::Trouble(Trouble { kind: TroubleKind::Missing, problem, hint }));
+        }
+    };
+    let [a, b] = [&before.path, &after.path];
+    let sides = [Side::read(a)?, Side::read(b)?];
+    let with_accepted = sides.iter().any(|side| side.is_kept);
+    if with_accepted {
+        sides.iter().try_for_each(Side::refuse_a_mixture)?;
+    }
+    let review = Review::new(&name, [&sides[0].kept, &sides[1].kept], settings, |stage, key| place_of(b, stage, key));
+    let files = if with_accepted {
+        let same = review.is_same();
+        vec![FileReport { name: "key numbers and recommended model".to_owned(), same, ..FileReport::default() }]
+    } else {
+        files(a, b, settings)?
+    };
+    topics.extend(sides.into_iter().flat_map(|side| side.topics));
+    let comparison = Comparison::new(a.display().to_string(), b.display().to_string(), settings.provenance, files);
+    Ok(Outcome::Reviewed(review, comparison))
+}
+
+/// An error of one record among several.
+fn unreadable(error: anyhow::Error) -> Trouble {
+    let hint = error.downcast_ref::<DiffError>().map_or("run the record again", DiffError::hint).to_owned();
+    Trouble { kind: TroubleKind::Unreadable, problem: trouble(error).to_string(), hint }
+}
+
+/// Writes the files that are asked for.
+fn write_files(args: &Args, compared: &[Compared], divided: Option<&Divided>) -> anyhow::Result<()> {
     if let Some(path) = &args.markdown {
         let accept = format!("crumple accept {}", word(&args.b));
-        write(path, OutputKind::Markdown, &to_markdown(&reviews, &args.again(), &accept))?;
+        write(path, OutputKind::Markdown, &to_markdown(compared, &args.again(), &accept))?;
     }
     if let Some(path) = &args.junit {
-        write(path, OutputKind::Junit, &to_junit(&compared))?;
+        write(path, OutputKind::Junit, &to_junit(compared))?;
     }
     if let Some(path) = &args.json {
-        let mut value = to_json(&compared, args.all);
-        if let Some(divided) = &divided {
+        let mut value = to_json(compared, args.all);
+        if let Some(divided) = divided {
             value["why"] = serde_json::to_value(divided)?;
         }
         let text = serde_json::to_string_pretty(&value)? + "\n";
@@ -243,51 +300,55 @@ fn run(args: &Args, why: Option<Why>) -> anyhow::Result<ExitStatus> {
             _ => write(path, OutputKind::Summary, &text)?,
         }
     }
-    let says = !args.quiet && args.json.as_deref().is_none_or(|path| path != Path::new("-"));
-    let mut text = if args.github { to_github(&reviews) } else { String::new() };
-    if says {
-        let mut said = lines(&compared, args.all)?;
-        said.extend(divided.iter().flat_map(Divided::lines));
-        text += &said.join("\n");
-        text.push('\n');
-    }
-    // A reader that closes the pipe still gets the exit code.
-    to_stdout(printable(&text).as_bytes())?;
-    Ok(if same { ExitStatus::Done } else { ExitStatus::Failure })
+    Ok(())
+}
+
+/// Whether it stands for what was accepted, of which there is no file.
+fn is_kept(file: &FileReport) -> bool {
+    file.topics.is_empty() && file.digests.is_none() && file.only_in.is_none()
 }
 
 /// How much is the same or not; of what was accepted the numbers alone are kept.
 fn ending(review: &Review, comparison: &Comparison) -> String {
-    let is_kept = |file: &FileReport| file.topics.is_empty() && file.digests.is_none() && file.only_in.is_none();
     match (comparison.files.iter().all(is_kept), comparison.same) {
         (false, true) => conclusion(comparison),
         (false, false) => format!("{}; every difference: --all", conclusion(comparison)),
         (true, true) => {
             let numbers: usize = review.counts.values().sum();
-            format!(
-                "same within the limits: {numbers} number{} and the recommended model",
-                if numbers == 1 { "" } else { "s" }
-            )
+            let plural = if numbers == 1 { "" } else { "s" };
+            let same = format!("same within the limits: {numbers} number{plural} and the recommended model");
+            let causes = review.artifacts_line().filter(|_| !review.causes.is_empty()).map(|_| review.cause());
+            [Some(same), review.artifacts_line(), causes, review.not_compared().map(str::to_owned)]
+                .into_iter()
+                .flatten()
+                .collect::<Vec<_>>()
+                .join("; ")
         }
         (true, false) => "different from what was accepted".to_owned(),
     }
 }
 
 /// What is printed: of one comparison at most [`LINES`], of several those that differ under their names.
-fn lines(compared: &[(Review, Comparison)], all: bool) -> anyhow::Result<Vec<String>> {
+fn lines(compared: &[Compared], all: bool) -> anyhow::Result<Vec<String>> {
     let several = compared.len() > 1;
     let mut lines = Vec::new();
     let mut same = Vec::new();
-    for (review, comparison) in compared {
+    for one in compared {
+        let Some((review, comparison)) = one.review() else {
+            lines.push(format!("{}: {}: {}", one.name, one.said_word(), one.problem().unwrap_or_default()));
+            continue;
+        };
         if comparison.same && !all {
             same.push((review.name.as_str(), ending(review, comparison)));
+            let noted = several && (review.artifacts_line().is_some() || review.is_earlier);
+            lines.extend(noted.then(|| format!("{}: {}", review.name, ending(review, comparison))));
             continue;
         }
         if several {
             lines.push(format!("{}:", review.name));
         }
         let most = if all { usize::MAX } else { LINES };
-        let has_numbers = !review.counts.is_empty();
+        let has_numbers = !review.counts.is_empty() || comparison.files.iter().all(is_kept);
         let mut of_one = match (comparison.same, has_numbers) {
             (true, _) => Vec::new(),
             (_, true) => review.lines(most - 1),
@@ -317,206 +378,4 @@ fn lines(compared: &[(Review, Comparison)], all: bool) -> anyhow::Result<Vec<Str
         }
     }
     Ok(lines)
-}
-
-// What is compared with what.
-
-/// One side of a comparison.
-struct Read {
-    kept: Expected,
-    topics: BTreeSet<String>,
-    /// Whether it is nothing but what was accepted.
-    is_kept: bool,
-}
-
-impl Read {
-    fn of(path: &Path) -> anyhow::Result<Self> {
-        if is_json(path) {
-            let value = read_json(path)?;
-            if value["schema"] == Expected::SCHEMA {
-                let damaged = |source| DiffError::Json { path: path.to_owned(), source };
-                let kept = serde_json::from_value(value).map_err(damaged)?;
-                return Ok(Self { kept, topics: BTreeSet::new(), is_kept: true });
-            }
-            // Another summary than of this version has no numbers to show, and is compared value by value.
-            let summary: Summary = serde_json::from_value(value).unwrap_or_default();
-            let topics = BTreeSet::from([SUMMARY.to_owned()]);
-            return Ok(Self { kept: Expected { summary, ..Expected::default() }, topics, is_kept: false });
-        }
-        let paths: Vec<PathBuf> = match path.is_dir() {
-            true => results_in(path)?.into_iter().filter(|name| name != SUMMARY).map(|name| path.join(name)).collect(),
-            false => vec![path.to_owned()],
-        };
-        let mut kept = Expected::default();
-        let mut topics = BTreeSet::from([SUMMARY.to_owned()]);
-        for path in &paths {
-            let artifact = Artifact::open(path).map_err(DiffError::from)?;
-            kept.stages.push(stage_record(&artifact));
-            topics.extend(artifact.records().iter().map(|raw| raw.topic.clone()));
-            topics.extend(artifact.waves().keys().map(|id| format!("{WAVE_PREFIX}{id}")));
-            if let Some(test) = artifact.record::<TestV1>("/test").map_err(DiffError::from)? {
-                kept.record = [test.source.name, test.source.digest];
-            }
-        }
-        let of_run = path.join(SUMMARY);
-        if of_run.is_file() {
-            kept.summary = serde_json::from_value(read_json(&of_run)?).unwrap_or_default();
-        }
-        Ok(Self { kept, topics, is_kept: false })
-    }
-}
-
-/// File and line that state an option: the pipeline in the project by the name of the run's, else the run's own.
-fn place_of(own: &Path, pipeline: Option<&str>, stage: &str, key: &str) -> Option<(String, usize)> {
-    let named = pipeline.map(|name| Path::new("pipelines").join(format!("{name}.toml")));
-    let found = |path: &Path| {
-        let line = line_of(&fs::read_to_string(path).ok()?, stage, key)?;
-        Some((path.display().to_string(), line))
-    };
-    named.as_deref().and_then(found).or_else(|| found(own))
-}
-
-/// Pairs of results with a name each. Folders that hold runs are paired by the place of the runs in them, what was
-/// accepted by the name of its file.
-fn pairs(a: &Path, b: &Path) -> anyhow::Result<Vec<(String, PathBuf, PathBuf)>> {
-    let is_kept = |path: &Path| is_json(path) && read_json(path).is_ok_and(|value| value["schema"] == Expected::SCHEMA);
-    for path in [a, b] {
-        fs::metadata(path).map_err(|source| DiffError::Io { path: path.to_owned(), source })?;
-    }
-    if kind(a) != kind(b) && !is_kept(a) && !is_kept(b) {
-        return Err(DiffError::Kinds { a: a.into(), a_is: kind(a), b: b.into(), b_is: kind(b) }.into());
-    }
-    let is_one = |path: &Path| !path.is_dir() || results_in(path).is_ok();
-    if is_one(a) && is_one(b) {
-        return Ok(vec![(name_of(b), a.to_owned(), b.to_owned())]);
-    }
-    let [left, right] = [results_below(a)?, results_below(b)?];
-    let mut paired = Vec::new();
-    for (name, path) in &left {
-        match right.iter().find(|(other, _)| other == name) {
-            Some((_, other)) => paired.push((name.clone(), path.clone(), other.clone())),
-            None => {
-                let problem = format!("{} has no run {name}, which {} has", b.display(), a.display());
-                return Err(Usage::new(problem).hint("run the record, or compare the runs one by one").into());
-            }
-        }
-    }
-    Ok(paired)
-}
-
-/// The record and the pipeline of a run, by the names of its folders: `crash`, `crash-civic`.
-fn name_of(folder: &Path) -> String {
-    let name = |path: &Path| path.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let record = folder.parent().map(name).unwrap_or_default();
-    match name(folder) {
-        own if !folder.is_dir() || record.is_empty() => own,
-        own if own == "default" => record,
-        own => format!("{record}-{own}"),
-    }
-}
-
-/// Run folders below a folder, and what was accepted in it, by name.
-fn results_below(folder: &Path) -> anyhow::Result<Vec<(String, PathBuf)>> {
-    if results_in(folder).is_ok() {
-        return Ok(vec![(name_of(folder), folder.to_owned())]);
-    }
-    let io = |source| DiffError::Io { path: folder.to_owned(), source };
-    let mut found = Vec::new();
-    for entry in fs::read_dir(folder).map_err(io)? {
-        let path = entry.map_err(io)?.path();
-        if path.is_dir() {
-            found.extend(results_below(&path).unwrap_or_default());
-        } else if is_json(&path) {
-            found.push((name_of(&path), path));
-        }
-    }
-    found.sort();
-    if found.is_empty() { Err(DiffError::NotARun { path: folder.to_owned() }.into()) } else { Ok(found) }
-}
-
-fn is_json(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension == "json")
-}
-
-fn kind(path: &Path) -> &'static str {
-    match (path.is_dir(), is_json(path)) {
-        (true, _) => "a folder",
-        (_, true) => "a JSON file",
-        _ => "a file",
-    }
-}
-
-fn files(a: &Path, b: &Path, settings: &CompareSettings) -> Result<Vec<FileReport>, DiffError> {
-    let mut settings = settings.clone();
-    // Of a run the fits come before what is made of them.
-    let mut file = |name: &str, a: &Path, b: &Path| -> Result<FileReport, DiffError> {
-        if is_json(a) {
-            // The summary's tolerances apply under whatever name it was kept.
-            return Ok(FileReport::json(name, compare_json(SUMMARY, &read_json(a)?, &read_json(b)?, &settings)));
-        }
-        let (a, b) = (Artifact::open(a)?, Artifact::open(b)?);
-        settings.tolerances.open.extend(open_candidates(&a, &b)?);
-        Ok(compare_artifacts(name, &a, &b, &settings)?)
-    };
-    if !a.is_dir() {
-        return Ok(vec![file(&a.file_name().unwrap_or_default().to_string_lossy(), a, b)?]);
-    }
-    let (left, right) = (results_in(a)?, results_in(b)?);
-    left.union(&right)
-        .map(|name| match (left.contains(name), right.contains(name)) {
-            (true, true) => file(name, &a.join(name), &b.join(name)),
-            (true, false) => Ok(FileReport::missing(name, Side::A)),
-            _ => Ok(FileReport::missing(name, Side::B)),
-        })
-        .collect()
-}
-
-fn results_in(folder: &Path) -> Result<BTreeSet<String>, DiffError> {
-    let io = |source| DiffError::Io { path: folder.to_owned(), source };
-    let mut names = BTreeSet::new();
-    for entry in fs::read_dir(folder).map_err(io)? {
-        let name = entry.map_err(io)?.file_name().to_string_lossy().into_owned();
-        // A stage that was killed may leave a hidden temporary file.
-        if !name.starts_with('.') && (name.ends_with(".mcap") || name == SUMMARY) {
-            names.insert(name);
-        }
-    }
-    if names.is_empty() { Err(DiffError::NotARun { path: folder.to_owned() }) } else { Ok(names) }
-}
-
-fn read_json(path: &Path) -> Result<serde_json::Value, DiffError> {
-    let text = refuse_named_pipe(path)
-        .and_then(|()| fs::read(path))
-        .map_err(|source| DiffError::Io { path: path.to_owned(), source })?;
-    serde_json::from_slice(&text).map_err(|source| DiffError::Json { path: path.to_owned(), source })
-}
-
-// What is accepted.
-
-fn accept(args: &AcceptArgs) -> anyhow::Result<ExitStatus> {
-    keep_budget(&args.runs, ExitStatus::Usage);
-    let mut text = String::new();
-    for run in &args.runs {
-        for (name, folder) in results_below(run)? {
-            let Read { kept, is_kept, .. } = Read::of(&folder)?;
-            if is_kept || kept.stages.is_empty() {
-                let problem = format!("{} is no run folder", folder.display());
-                return Err(Usage::new(problem).hint("accept takes the folders that crumple run made").into());
-            }
-            if kept.summary.key_numbers.is_empty() && kept.summary.recommended.is_none() {
-                let problem = format!("{} has no {SUMMARY} with results", folder.display());
-                return Err(Usage::new(problem).hint("run the record again, and look at its report").into());
-            }
-            let kept = Expected::new(kept.record.clone(), kept.stages, &kept.summary);
-            let json = serde_json::to_string_pretty(&kept)? + "\n";
-            let path = args.into.join(format!("{name}.json"));
-            let is_there = fs::read_to_string(&path).is_ok_and(|old| old == json);
-            if !is_there {
-                write(&path, OutputKind::Summary, &json)?;
-            }
-            text += &format!("{}{}\n", path.display(), if is_there { ", as it was" } else { "" });
-        }
-    }
-    to_stdout(printable(&text).as_bytes())?;
-    Ok(ExitStatus::Done)
 }

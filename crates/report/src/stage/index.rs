@@ -7,15 +7,13 @@ use std::path::{Component, Path, PathBuf};
 use crate::phrases::PHRASES;
 use crate::{IndexedRun, OF_SEVERAL_TESTS, RunIndex, Summary, fill, pulse_line};
 use crumple_artifact::{Artifact, OutputKind};
+use crumple_diff::DiffError;
 use crumple_stage::{
     ChainStage, ExitStatus, Pipeline, Refused, Usage, by_way, chain, program, refuse_to_overwrite, say, told_apart,
 };
 
 use super::compare::write;
-use super::run_folders::address;
-
-/// Where a run notes how it ended.
-const PIPELINE: &str = "0-pipeline.toml";
+use super::run_folders::{address, runs_below};
 
 /// Most folders that an error names.
 const NAMED: usize = 5;
@@ -64,6 +62,14 @@ fn run_folders(inputs: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
         };
         match list {
             Some(list) => folders.extend(listed(&list)?),
+            // A folder that is no run may hold some, by the rule of accept and diff.
+            None if input.is_dir() && !is_of_a_run(input) => match runs_below(std::slice::from_ref(input)) {
+                Ok(below) => {
+                    folders.extend(below.into_iter().filter(|run| !run.is_kept && !run.is_joint).map(|run| run.path))
+                }
+                Err(error) if error.is::<DiffError>() => folders.push(input.clone()),
+                Err(error) => return Err(error),
+            },
             None => folders.push(input.clone()),
         }
     }
@@ -92,9 +98,7 @@ fn listed(list: &Path) -> anyhow::Result<Vec<PathBuf>> {
 
 /// How the last run into a folder ended: its exit code and, where that is not 0, why.
 fn ending(folder: &Path, summary: Option<&Summary>) -> (i32, String) {
-    let noted = Pipeline::read(&folder.join(PIPELINE), None).ok();
-    let noted = noted.as_ref().and_then(Pipeline::end);
-    let failed = noted.filter(|(state, _)| *state == Pipeline::FAILED).map(|(_, code)| i32::from(code));
+    let failed = Pipeline::failure_in(folder).map(i32::from);
     match (summary, failed) {
         (Some(_), Some(code)) => (code, PHRASES.runs.earlier_report.to_owned()),
         (Some(summary), None) => IndexedRun::ending(summary),
@@ -108,11 +112,12 @@ fn ending(folder: &Path, summary: Option<&Summary>) -> (i32, String) {
     }
 }
 
+fn is_of_a_run(folder: &Path) -> bool {
+    chain().flat_map(|stage| stage.outputs).chain([Pipeline::OF_A_RUN]).any(|name| folder.join(name).is_file())
+}
+
 /// Names folders that are none of a run: a row of nothing would look like one.
 fn refuse_missing(folders: &[PathBuf]) -> Result<(), Refused> {
-    let is_of_a_run = |folder: &&PathBuf| {
-        chain().flat_map(|stage| stage.outputs).chain([PIPELINE]).any(|name| folder.join(name).is_file())
-    };
     let missing: Vec<String> =
         folders.iter().filter(|folder| !is_of_a_run(folder)).map(|folder| folder.display().to_string()).collect();
     let named = missing[..missing.len().min(NAMED)].join(", ");

@@ -1,11 +1,13 @@
 //! The program: options, the artifacts of a run in, the report and its summary out.
 
+pub mod accept;
 mod compare;
 mod console;
 pub mod diff;
 mod gather;
 mod index;
 mod pictures;
+mod results;
 mod run_folders;
 mod together;
 
@@ -19,7 +21,7 @@ use anyhow::Context;
 use crumple_artifact::{OutputKind, replace_atomically, write_atomically};
 use crumple_stage::{
     ExitStatus, Pipeline, Program, Usage, artifacts_of_a_run, be_quiet, keep_budget, load_artifacts, pipeline_table,
-    printable, refuse_to_overwrite, run_tool, say, to_stdout,
+    printable, refuse_to_overwrite, results_of_an_earlier_run, run_tool, say, to_stdout,
 };
 use pictures::{Fonts, write_figures};
 
@@ -128,9 +130,12 @@ impl Cli {
         if self.together || !folder.is_dir() {
             return Ok(());
         }
-        let own = Some(folder.join("0-pipeline.toml")).filter(|own| own.is_file());
+        let own = Some(folder.join(Pipeline::OF_A_RUN)).filter(|own| own.is_file());
         self.pipeline = self.pipeline.take().or(own);
         self.output = self.output.take().or_else(|| Some(folder.join("report.html")));
+        if let Some(problem) = results_of_an_earlier_run(folder) {
+            say(format_args!("note: {problem}"));
+        }
         self.inputs = artifacts_of_a_run(folder)?;
         Ok(())
     }
@@ -253,7 +258,7 @@ fn run(mut cli: Cli) -> anyhow::Result<ExitStatus> {
         answer(&cli, &console::lines(&run, &ranking, &summary, output))?;
     }
     if let Some(path) = &cli.markdown {
-        let own = output.with_file_name("0-pipeline.toml");
+        let own = output.with_file_name(Pipeline::OF_A_RUN);
         let own = own.is_file().then(|| own.display().to_string());
         let run = ComparedRun::new(String::new(), None, run);
         let here = Path::new(&run.run.test.source.name);

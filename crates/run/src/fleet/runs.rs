@@ -60,7 +60,10 @@ impl JournalEntry {
     /// Whether it needs not be run again: the result is there as it was written, or there will be none.
     pub(crate) fn stands(&self, fleet: &Path) -> bool {
         if self.has_result() {
-            return self.summary.is_some() && self.summary == digest_of_summary(&fleet.join(&self.folder));
+            let folder = fleet.join(&self.folder);
+            // A later run into the folder by itself may have failed.
+            let is_of_last = crumple_stage::Pipeline::failure_in(&folder).is_none();
+            return is_of_last && self.summary.is_some() && self.summary == digest_of_summary(&folder);
         }
         FINAL.contains(&self.exit_code) && !self.key.is_empty()
     }

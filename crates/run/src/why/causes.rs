@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use crumple_report::Summary;
 use crumple_stage::records::TestV1;
-use crumple_stage::{Artifact, PIPELINE_OF_A_RUN, Pipeline, Refused, Usage, chain};
+use crumple_stage::{Artifact, Pipeline, Refused, Usage, chain};
 
 use crate::program::digest_of;
 use crate::words::Words;
@@ -34,10 +34,10 @@ impl Recipe {
         let lacks = |what: String, hint: &str| {
             Usage::new(format!("{}: {what}, so its change cannot be divided", folder.display())).hint(hint.to_owned())
         };
-        let file = folder.join(PIPELINE_OF_A_RUN);
+        let file = folder.join(Pipeline::OF_A_RUN);
         if !file.is_file() {
             let hint = "two folders that crumple run made: runs/RECORD/PIPELINE";
-            return Err(lacks(format!("there is no {PIPELINE_OF_A_RUN}"), hint).into());
+            return Err(lacks(format!("there is no {Pipeline::OF_A_RUN}"), hint).into());
         }
         let pipeline = Pipeline::read(&file, None)?;
         let ingested = Artifact::open(&folder.join("1-ingest.mcap")).map_err(Refused::from)?;

@@ -10,7 +10,7 @@ use std::thread;
 
 use anyhow::Context;
 use crumple_report::{Divided, DividedNumber, Summary, engineering, quantities};
-use crumple_stage::{Artifact, ExitStatus, PIPELINE_OF_A_RUN, Refused, Usage, chain, variable_of};
+use crumple_stage::{Artifact, ExitStatus, Pipeline, Refused, Usage, chain, variable_of};
 
 use crate::program::own_command;
 use causes::{Causes, Recipe, digest_of_record};
@@ -104,7 +104,7 @@ impl Sets<'_> {
         let shared = |other: &usize| self.causes.first_stage(set ^ other);
         if let Some((other, from)) = made.iter().max_by_key(|(other, _)| shared(other)) {
             let stages = chain().take(shared(other)).flat_map(|stage| stage.outputs);
-            for name in stages.chain([PIPELINE_OF_A_RUN]).filter(|name| from.join(name).is_file()) {
+            for name in stages.chain([Pipeline::OF_A_RUN]).filter(|name| from.join(name).is_file()) {
                 fs::copy(from.join(name), folder.join(name))?;
             }
         }

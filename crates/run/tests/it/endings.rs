@@ -80,6 +80,24 @@ fn a_failed_stage_costs_nothing_of_the_same_record() {
 }
 
 #[test]
+fn a_folder_says_that_its_results_are_of_an_earlier_run_and_a_run_that_works_takes_it_back() {
+    let chain = Chain::new(Stages::Foreign);
+    let failure = || crumple_stage::Pipeline::failure_in(&chain.folder());
+    assert!(chain.run("a").status().unwrap().success());
+    assert_eq!(failure(), None);
+    let output = chain.run_with("a", &["--set", "filtre.cfc=180"]).output().unwrap();
+    assert_eq!((output.status.code(), failure()), (Some(2), Some(2)), "{}", said(&output));
+    chain.assert_whole("a");
+    assert!(chain.run("a").status().unwrap().success());
+    assert_eq!(failure(), None);
+    let mut refusing = chain;
+    refusing.set("1-ingest.mcap", "sh -c 'echo error: why >&2; exit 3'");
+    assert_eq!(refusing.run("b").status().unwrap().code(), Some(3));
+    assert_eq!(crumple_stage::Pipeline::failure_in(&refusing.folder()), Some(3));
+    refusing.assert_whole("a");
+}
+
+#[test]
 fn no_acceptable_result_does_not_stop_the_run_and_the_report_decides() {
     let chain = Chain::new(Stages::Foreign);
     let without = |command: &str| format!("sh -c '\"$@\"; exit 4' x {command}");

@@ -7,6 +7,7 @@ use crumple_artifact::{ArtifactBuilder, OutputKind, Record, WriteError};
 use crumple_signal::{About, Notes, QuantityKind, Sampled, Weight};
 
 use crate::artifacts::inputs::path_of;
+use crate::command_line::pipeline_file::Pipeline;
 use crate::error::{Refused, Usage};
 use crate::terminal::Progress;
 use crate::typed::by_way;
@@ -116,6 +117,16 @@ pub fn artifacts_of_a_run(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
         return Err(refused(format!("{} holds no artifact", folder.display())).into());
     }
     Ok(artifacts)
+}
+
+/// Why the results in a run folder are not those of its record: the last run into it failed. `None`: they are.
+pub fn results_of_an_earlier_run(folder: &Path) -> Option<String> {
+    let code = Pipeline::failure_in(folder)?;
+    let left = match artifacts_of_a_run(folder) {
+        Ok(_) => "its results are of an earlier run",
+        Err(_) => "it left no results",
+    };
+    Some(format!("the last run into {} ended with exit code {code}: {left}", folder.display()))
 }
 
 #[cfg(test)]

@@ -173,6 +173,9 @@ impl Pipeline {
         Ok(())
     }
 
+    /// Name of the file in a run folder.
+    pub const OF_A_RUN: &str = "0-pipeline.toml";
+
     /// What [`note_end`](Self::note_end) notes in place of a digest where the last run failed.
     pub const FAILED: &str = "failed";
 
@@ -203,6 +206,11 @@ impl Pipeline {
         }
     }
 
+    /// What [`note_typed`](Self::note_typed) noted.
+    pub fn typed(&self, what: &str, stage: &str) -> Option<&str> {
+        self.run.get(what)?.get(stage)?.as_str()
+    }
+
     /// Notes how the run ended that the pipeline is of: a digest of all that it left and was made by, its exit code.
     pub fn note_end(&mut self, state: &str, code: u8) {
         self.run.insert("state".to_owned(), Value::from(state));
@@ -213,6 +221,12 @@ impl Pipeline {
     pub fn end(&self) -> Option<(&str, u8)> {
         let code = self.run.get("exit_code")?.as_integer()?;
         Some((self.run.get("state")?.as_str()?, u8::try_from(code).ok()?))
+    }
+
+    /// The exit code of the last run into a folder, where it failed: what lies there is of an earlier run.
+    pub fn failure_in(folder: &Path) -> Option<u8> {
+        let pipeline = Self::read(&folder.join(Self::OF_A_RUN), None).ok()?;
+        pipeline.end().filter(|(state, _)| *state == Self::FAILED).map(|(_, code)| code)
     }
 
     /// The name that a run noted.

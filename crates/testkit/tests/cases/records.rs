@@ -179,7 +179,7 @@ fn remarks(summary: &Value) -> String {
 }
 
 /// What has to be said, and is not; what must not, and is.
-fn said(expected: &Value, text: &str) -> Vec<String> {
+pub fn said(expected: &Value, text: &str) -> Vec<String> {
     let is_said = |pattern: &String| regex::Regex::new(pattern).unwrap().is_match(text);
     let missing = texts(&expected["must_say"]).into_iter().filter(|pattern| !is_said(pattern));
     let missing: Vec<String> = missing.map(|pattern| format!("{pattern} is not said: {text}")).collect();

@@ -260,7 +260,7 @@ fn run_folders_are_compared_file_by_file() {
 }
 
 /// A run whose candidate has this stiffness, in an artifact and in the summary.
-fn run_of(folder: &Path, stiffness_n_per_m: f64) {
+pub fn run_of(folder: &Path, stiffness_n_per_m: f64) {
     fs::create_dir(folder).unwrap();
     let candidate = serde_json::json!({
         "model": "kelvin", "method": "direct-fit", "physical": true, "equivalent_to": null, "uncertainty": null,

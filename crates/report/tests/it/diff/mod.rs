@@ -1,5 +1,6 @@
 //! `crumple-diff` on artifacts and runs that a test made.
 
+mod accepted;
 mod cli;
 mod prints;
 mod values;

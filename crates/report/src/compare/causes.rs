@@ -1,0 +1,210 @@
+//! What two results were made with that is not the same: test, record, programs, options.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use crate::drawing::numbers::ABSENT;
+use crate::phrases::words;
+
+use super::expected::Expected;
+use super::settings::{options_of, settings_of};
+
+/// What two results were made with that is not the same.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Cause {
+    /// What it is.
+    pub kind: CauseKind,
+    /// `test.mass_kg`, `record`, `filter` for a program, `filter.cfc` for a setting.
+    pub name: String,
+    /// Before.
+    pub from: String,
+    /// After.
+    pub to: String,
+    /// File and line that state what it is after.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub place: Option<(String, usize)>,
+}
+
+/// What a cause is, gravest first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+#[allow(missing_docs, reason = "named after what they are")]
+pub enum CauseKind {
+    Test,
+    Record,
+    Program,
+    Pipeline,
+    Setting,
+}
+
+impl std::fmt::Display for Cause {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} {} -> {}", self.name, self.from, self.to)?;
+        self.place.as_ref().map_or(Ok(()), |(file, line)| write!(f, " ({file}:{line})"))
+    }
+}
+
+fn cause(kind: CauseKind, name: &str, from: String, to: String) -> Cause {
+    Cause { kind, name: name.to_owned(), from, to, place: None }
+}
+
+/// What the test was, in each run: mass, speed, contact, the channel of the pulse.
+fn test_causes(sides: [&Expected; 2], place: &impl Fn(&str, &str) -> Option<(String, usize)>) -> Vec<Cause> {
+    let is_earlier = sides.iter().any(|side| side.is_earlier());
+    let [before, after] = sides.map(|side| {
+        let mut test = json!(side.summary.test);
+        let contact = side.contact.as_ref().filter(|_| !is_earlier);
+        test["title"] = Value::Null;
+        test["time_zero_s"] = json!(contact.map(|contact| contact.source_time_s));
+        test["time_zero_rule"] = json!(contact.map(|contact| contact.rule.clone()));
+        test
+    });
+    let shown = |value: &Value| match (value.as_f64(), value.as_str()) {
+        (Some(number), _) => words::significant(number, 6),
+        (_, Some(text)) => text.to_owned(),
+        _ => ABSENT.to_owned(),
+    };
+    let fields = before.as_object().into_iter().flat_map(serde_json::Map::keys);
+    let differing = fields.filter(|name| before[*name] != after[*name]);
+    differing
+        .map(|name| Cause {
+            place: place("test", name),
+            ..cause(CauseKind::Test, &format!("test.{name}"), shown(&before[name]), shown(&after[name]))
+        })
+        .collect()
+}
+
+/// What differs of what two results were made with, gravest first.
+pub fn causes([a, b]: [&Expected; 2], place: impl Fn(&str, &str) -> Option<(String, usize)>) -> Vec<Cause> {
+    let mut all = test_causes([a, b], &place);
+    if a.record[1] != b.record[1] {
+        all.push(cause(CauseKind::Record, "record", a.record(), b.record()));
+    }
+    let mut settings = settings([a, b], &place);
+    let chain = |name: &str| {
+        let stage = name.split('.').next().unwrap_or_default();
+        b.stages.iter().chain(&a.stages).position(|record| record.stage == stage)
+    };
+    settings.sort_by_key(|cause| (cause.kind, chain(&cause.name)));
+    let pipelines = [a, b].map(|side| side.summary.pipeline.clone().unwrap_or_default());
+    let is_set = settings.iter().any(|cause| cause.kind == CauseKind::Setting);
+    all.extend(settings);
+    if pipelines[0] != pipelines[1] && is_set {
+        let [from, to] = pipelines;
+        all.push(cause(CauseKind::Pipeline, "pipeline", from, to));
+    }
+    all.sort_by_key(|cause| cause.kind);
+    all
+}
+
+/// Programs and options that differ. Options are called as a pipeline calls them, where both runs kept theirs and one
+/// of the stage differs; else as the stage resolved them.
+fn settings([a, b]: [&Expected; 2], place: &impl Fn(&str, &str) -> Option<(String, usize)>) -> Vec<Cause> {
+    let stage_of = |name: &str| name.split('.').next().unwrap_or_default().to_owned();
+    let typed = [a, b].map(|side| options_of(&side.options));
+    let typed = differing(&typed);
+    let with_typed: BTreeSet<String> = typed.iter().map(|(name, _)| stage_of(name)).collect();
+    // Settings of a stage that another program stands in for are not its own.
+    let lacks_settings = |side: &Expected, stage: &str| {
+        let mut own = side.stages.iter().filter(|record| record.stage == stage);
+        own.any(|record| ["", "{}", "null"].contains(&record.settings.as_str()))
+    };
+    let resolved = differing(&[a, b].map(|side| settings_of(&side.stages))).into_iter().filter(|(name, _)| {
+        let stage = stage_of(name);
+        name.ends_with(".version")
+            || (!with_typed.contains(&stage) && lacks_settings(a, &stage) == lacks_settings(b, &stage))
+    });
+    let both_kept = !a.options.is_empty() && !b.options.is_empty();
+    let all = resolved.chain(typed.iter().filter(|_| both_kept).cloned());
+    all.map(|(name, [from, to])| match name.strip_suffix(".version") {
+        Some(stage) => cause(CauseKind::Program, stage, from, to),
+        None => {
+            let (stage, key) = name.split_once('.').unwrap_or((&name, ""));
+            Cause { place: place(stage, key), ..cause(CauseKind::Setting, &name, from, to) }
+        }
+    })
+    .collect()
+}
+
+/// What two sides say of names that they do not say the same of.
+fn differing(sides: &[BTreeMap<String, String>; 2]) -> Vec<(String, [String; 2])> {
+    let names: BTreeSet<&String> = sides.iter().flat_map(BTreeMap::keys).collect();
+    let values = |name: &String| {
+        let value = |side: &BTreeMap<String, String>| side.get(name).cloned().unwrap_or_else(|| ABSENT.to_owned());
+        (name.clone(), sides.each_ref().map(value))
+    };
+    names.into_iter().map(values).filter(|(_, [from, to])| from != to).collect()
+}
+
+/// Artifacts of two runs by their stages.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct ArtifactChanges {
+    /// Those that only the first has.
+    pub gone: Vec<String>,
+    /// Those that only the second has.
+    pub new: Vec<String>,
+    /// Those with another content.
+    pub differing: Vec<String>,
+}
+
+impl ArtifactChanges {
+    /// Of two runs that state their artifacts; of a summary without any nothing is known.
+    pub fn new([a, b]: [&Expected; 2]) -> Self {
+        if a.is_summary_alone || b.is_summary_alone {
+            return Self::default();
+        }
+        let only = |own: &Expected, other: &Expected| -> Vec<String> {
+            let is_there = |stage: &str| other.stages.iter().any(|record| record.stage == stage);
+            own.stages.iter().map(|record| record.stage.clone()).filter(|stage| !is_there(stage)).collect()
+        };
+        let pairs = a.stages.iter().filter_map(|x| Some((x, b.stages.iter().find(|y| y.stage == x.stage)?)));
+        let differing = pairs.filter(|(x, y)| x.digest != y.digest).map(|(x, _)| x.stage.clone()).collect();
+        Self { gone: only(a, b), new: only(b, a), differing }
+    }
+}
+
+/// Stages whose content differs though their program, settings and inputs are the same.
+pub fn unexplained([a, b]: [&Expected; 2]) -> Vec<String> {
+    let same = a.record[1] == b.record[1];
+    let pairs = a.stages.iter().filter_map(|x| Some((x, b.stages.iter().find(|y| y.stage == x.stage)?)));
+    pairs
+        .filter(|(x, y)| {
+            (&x.version, &x.settings, &x.inputs) == (&y.version, &y.settings, &y.inputs) && x.digest != y.digest && same
+        })
+        .map(|(x, _)| x.stage.clone())
+        .collect()
+}
+
+/// The line of a pipeline file that states an option of a stage; a nested one by its first part.
+pub fn line_of(text: &str, stage: &str, key: &str) -> Option<usize> {
+    let first = key.split('.').next()?;
+    let mut table = "";
+    for (number, line) in text.lines().enumerate() {
+        let line = line.trim();
+        if let Some(head) = line.strip_prefix('[') {
+            table = head.trim_end_matches(']').trim();
+        }
+        let is_key = |name: &str| line.strip_prefix(name).is_some_and(|rest| rest.trim_start().starts_with('='));
+        let in_stage = table == stage && (is_key(first) || is_key(&first.replace('_', "-")));
+        if in_stage || table == format!("{stage}.{first}") {
+            return Some(number + 1);
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_option_is_found_where_a_pipeline_file_states_it() {
+        let text = "# a\n[filter]\ncfc = 180\n\n[identify]\ncfc = 2\nmax-order = 3\n[filter.zero_level]\nx = 1\n";
+        assert_eq!(line_of(text, "filter", "cfc"), Some(3));
+        assert_eq!(line_of(text, "identify", "max_order"), Some(7));
+        assert_eq!(line_of(text, "filter", "zero_level.from_s"), Some(8));
+        assert_eq!(line_of(text, "filter", "mode"), None);
+    }
+}
