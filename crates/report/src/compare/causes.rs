@@ -10,6 +10,7 @@ use crate::phrases::words;
 
 use super::expected::Expected;
 use super::settings::{options_of, settings_of};
+use crate::findings::StageRecord;
 
 /// What two results were made with that is not the same.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -119,7 +120,7 @@ fn settings([a, b]: [&Expected; 2], place: &impl Fn(&str, &str) -> Option<(Strin
     let both_kept = !a.options.is_empty() && !b.options.is_empty();
     let all = resolved.chain(typed.iter().filter(|_| both_kept).cloned());
     all.map(|(name, [from, to])| match name.strip_suffix(".version") {
-        Some(stage) => cause(CauseKind::Program, stage, from, to),
+        Some(stage) => Cause { place: place(stage, "program"), ..cause(CauseKind::Program, stage, from, to) },
         None => {
             let (stage, key) = name.split_once('.').unwrap_or((&name, ""));
             Cause { place: place(stage, key), ..cause(CauseKind::Setting, &name, from, to) }
@@ -171,7 +172,8 @@ pub fn unexplained([a, b]: [&Expected; 2]) -> Vec<String> {
     let pairs = a.stages.iter().filter_map(|x| Some((x, b.stages.iter().find(|y| y.stage == x.stage)?)));
     pairs
         .filter(|(x, y)| {
-            (&x.version, &x.settings, &x.inputs) == (&y.version, &y.settings, &y.inputs) && x.digest != y.digest && same
+            let made = |record: &StageRecord| (record.made_by(), record.settings.clone(), record.inputs.clone());
+            made(x) == made(y) && x.digest != y.digest && same
         })
         .map(|(x, _)| x.stage.clone())
         .collect()

@@ -272,6 +272,7 @@ pub mod tests {
             settings,
             digest,
             inputs: vec![("ingest".into(), format!("f{cfc}"))],
+            program: None,
         };
         let stages = vec![
             stage("filter", format!(r#"{{"cfc":{cfc},"mode":"iso6487"}}"#), format!("f{cfc}")),

@@ -48,11 +48,11 @@ pub fn record_of(run: &ComparedRun) -> String {
     if digest.is_empty() { source.name.clone() } else { format!("{} ({digest})", source.name) }
 }
 
-/// `stage.key.key` and the value of every setting, and the version of every stage.
+/// `stage.key.key` and the value of every setting, and the version of every stage or the program that stood for it.
 pub fn settings_of(stages: &[StageRecord]) -> BTreeMap<String, String> {
     let mut settings = BTreeMap::new();
     for record in stages {
-        settings.insert(format!("{}.version", record.stage), record.version.clone());
+        settings.insert(format!("{}.version", record.stage), record.made_by());
         if let Ok(value) = serde_json::from_str(&record.settings) {
             flatten(&record.stage, &value, &mut settings);
         }

@@ -24,7 +24,7 @@ pub use results::model_output::{ErrorCorrelation, ModelOutput};
 pub use results::ranking::{Ranking, compare_ids};
 pub use results::run::{
     CandidateResult, Element, IdentifiabilityCounts, MeasuredWaves, Model, PoleStability, Run, SensorMotion, StageNote,
-    StageRecord,
+    StageProgram, StageRecord,
 };
 pub use results::{mass_divisions, ranking};
-pub use text::{HEAD, candidate_name, markdown, model_name, parameter, parameter_order, words_and_unit};
+pub use text::{HEAD, candidate_name, markdown, model_name, parameter, parameter_order, short, words_and_unit};

@@ -176,6 +176,15 @@ pub(crate) fn listed(texts: &[String], and: &str) -> String {
     }
 }
 
+/// Characters of a digest that are shown.
+const DIGEST_SHOWN: usize = 12;
+
+/// The first characters of a digest without its algorithm.
+pub fn short(digest: &str) -> &str {
+    let hex = digest.split_once(':').map_or(digest, |(_, hex)| hex);
+    hex.get(..DIGEST_SHOWN).unwrap_or(hex)
+}
+
 #[cfg(test)]
 mod tests {
 

@@ -1,7 +1,7 @@
 //! What is missing, what the stages remarked, what the result can and cannot say, where it came from.
 
 use crate::drawing::escape::html;
-use crate::findings::{CandidateResult, Ranking, Run, StageNote, is_of_another_candidate, warnings};
+use crate::findings::{CandidateResult, Ranking, Run, StageNote, is_of_another_candidate, short, warnings};
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;
@@ -13,8 +13,6 @@ use crate::page::conclusion;
 
 /// Good-to-know notes of a stage that are open to view; the rest is folded. Warnings never are.
 const OPEN_NOTES: usize = 12;
-/// Characters of a digest that are shown.
-const DIGEST_SHOWN: usize = 12;
 
 pub(super) fn write_missing(out: &mut String, run: &Run) {
     if run.missing.is_empty() {
@@ -173,7 +171,7 @@ pub(super) fn write_provenance(out: &mut String, run: &Run) {
                 "<tr><td>{}</td><td>{}</td><td><code tabindex=\"0\" title=\"{}\">{}</code></td><td>{}</td>\
                  <td>{settings}</td></tr>\n",
                 html(&record.stage),
-                html(&record.version),
+                html(&record.made_by()),
                 html(&record.digest),
                 html(short(&record.digest)),
                 inputs.join("<br>")
@@ -185,12 +183,6 @@ pub(super) fn write_provenance(out: &mut String, run: &Run) {
         "<p class=\"caption\">{}</p>\n</section>\n",
         fill(texts.made_by, &[("version", env!("CARGO_PKG_VERSION"))])
     ));
-}
-
-/// The first characters of a digest without its algorithm.
-fn short(digest: &str) -> &str {
-    let hex = digest.split_once(':').map_or(digest, |(_, hex)| hex);
-    hex.get(..DIGEST_SHOWN).unwrap_or(hex)
 }
 
 /// The settings without those that were left open.

@@ -28,11 +28,10 @@ pub fn compare(folders: &[PathBuf], page: &Path, markdown: Option<&Path>, quiet:
         let name = if is_earlier { fill(PHRASES.runs.of_an_earlier_run, &[("name", name)]) } else { name };
         refuse_to_overwrite(page, OutputKind::Report, &artifacts)?;
         keep_budget(&artifacts, ExitStatus::Refused);
-        let mut run = gather(&load_artifacts(&artifacts)?.input, None)?;
-        let note = folder.join(Pipeline::OF_A_RUN);
-        if note.is_file() {
-            run.pipeline = Pipeline::read(&note, None)?.name().map(str::to_owned);
-        }
+        let note = Some(folder.join(Pipeline::OF_A_RUN)).filter(|note| note.is_file());
+        let pipeline = note.map(|note| Pipeline::read(&note, None)).transpose()?;
+        let mut run = gather(&load_artifacts(&artifacts)?.input, pipeline.as_ref())?;
+        run.pipeline = pipeline.and_then(|pipeline| pipeline.name().map(str::to_owned));
         let report = address(page, &folder.join("report.html"));
         runs.push(ComparedRun::new(name, report, run));
     }

@@ -55,6 +55,9 @@ pub fn gather(inputs: &Inputs, pipeline: Option<&Pipeline>) -> anyhow::Result<Ru
     run.responses = (stage_ran || !simulations.is_empty()).then_some(simulations.len());
     run.candidates = candidates(inputs, &simulations)?;
     run.provenance = inputs.artifacts().iter().map(stage_record).collect();
+    if let Some(pipeline) = pipeline {
+        run.provenance.iter_mut().for_each(|record| record.name_program(pipeline));
+    }
     collect_notes(inputs, &mut run)?;
     let found = contradictions(inputs.artifacts(), pipeline);
     run.remarks = found.iter().map(Contradiction::remark).collect();
@@ -268,6 +271,7 @@ pub fn stage_record(artifact: &Artifact) -> StageRecord {
         inputs: provenance
             .map(|p| p.inputs.iter().map(|input| (input.kind.clone(), input.digest.clone())).collect())
             .unwrap_or_default(),
+        program: None,
     }
 }
 

@@ -63,8 +63,10 @@ impl Side {
             }
             artifacts.push(artifact);
         }
-        kept.options =
-            Pipeline::read(&path.join(Pipeline::OF_A_RUN), None).map(|own| options_of(&own)).unwrap_or_default();
+        if let Ok(own) = Pipeline::read(&path.join(Pipeline::OF_A_RUN), None) {
+            kept.stages.iter_mut().for_each(|record| record.name_program(&own));
+            kept.options = options_of(&own);
+        }
         let of_run = path.join(SUMMARY);
         if of_run.is_file() {
             kept.summary = serde_json::from_value(read_json(&of_run)?).unwrap_or_default();
@@ -82,10 +84,8 @@ impl Side {
 fn options_of(pipeline: &Pipeline) -> BTreeMap<String, Value> {
     let of_stage = |stage: &str| {
         let mut options = json!(pipeline.table(stage)?);
-        for what in ["flags", "program"] {
-            if let Some(typed) = pipeline.typed(what, stage) {
-                options[what] = json!(typed);
-            }
+        if let Some(typed) = pipeline.typed("flags", stage) {
+            options["flags"] = json!(typed);
         }
         Some((stage.to_owned(), options))
     };

@@ -37,7 +37,7 @@ impl Recipe {
         let file = folder.join(Pipeline::OF_A_RUN);
         if !file.is_file() {
             let hint = "two folders that crumple run made: runs/RECORD/PIPELINE";
-            return Err(lacks(format!("there is no {Pipeline::OF_A_RUN}"), hint).into());
+            return Err(lacks(format!("there is no {}", Pipeline::OF_A_RUN), hint).into());
         }
         let pipeline = Pipeline::read(&file, None)?;
         let ingested = Artifact::open(&folder.join("1-ingest.mcap")).map_err(Refused::from)?;

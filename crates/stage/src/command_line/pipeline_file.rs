@@ -285,11 +285,6 @@ impl Pipeline {
         digests.filter_map(|(name, digest)| Some((name.clone(), digest?.to_owned()))).collect()
     }
 
-    /// What [`note_typed`](Self::note_typed) noted for a stage.
-    pub fn typed(&self, what: &str, stage: &str) -> Option<&str> {
-        self.run.get(what)?.as_table()?.get(stage)?.as_str()
-    }
-
     /// Whether a program from elsewhere stood for a stage.
     pub fn is_foreign(&self, stage: &str) -> bool {
         self.typed("program", stage).is_some()

@@ -15,7 +15,7 @@ use crate::findings::conclusions::conclusion::{Conclusion, conclusion};
 use crate::findings::conclusions::distinct_curves::{DistinctCurve, distinct_curves};
 use crate::findings::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::findings::conclusions::status::Status;
-use crate::findings::{CandidateResult, IdentifiabilityCounts, Model, Ranking, Run};
+use crate::findings::{CandidateResult, IdentifiabilityCounts, Model, Ranking, Run, StageProgram};
 
 /// The schema that a summary names.
 const SCHEMA: &str = "crumple.summary.v1";
@@ -91,6 +91,9 @@ pub struct Summary {
     pub warnings: Option<usize>,
     pub other_channels: Vec<String>,
     pub missing: Vec<String>,
+    /// Programs from elsewhere that stood for stages.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub programs: Vec<StageProgram>,
 }
 
 /// The test.
@@ -277,6 +280,7 @@ pub fn summary(run: &Run, ranking: &Ranking) -> Summary {
         warnings: Some(run.notes.iter().filter(is_warning).count()),
         other_channels: owned(test.channels.iter().map(|c| c.id.as_str()).filter(|id| Some(*id) != channel).collect()),
         missing: run.missing.clone(),
+        programs: run.provenance.iter().filter_map(|record| record.program.clone()).collect(),
     }
 }
 

@@ -1,5 +1,7 @@
 //! What a report is made from, wherever it was read.
 
+use std::collections::BTreeMap;
+
 use crate::phrases::PHRASES;
 use crate::phrases::words::fill;
 use crumple_artifact::records::{
@@ -9,12 +11,13 @@ use crumple_artifact::records::{
 };
 use crumple_lumped::{ParameterKind, parameter_kind};
 use crumple_signal::{Axis, Channel, Note, Sampled, TestDescription};
+use crumple_stage::Pipeline;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::findings::results::joint::JointTests;
 use crate::findings::results::model_output::ModelOutput;
-use crate::findings::text::candidate_name;
+use crate::findings::text::{candidate_name, short};
 
 /// Everything that is known about a run. Parts whose stage has not run are empty.
 #[derive(Debug, Clone, Default)]
@@ -387,6 +390,38 @@ pub struct StageRecord {
     pub settings: String,
     /// Kind and digest of each of its inputs.
     pub inputs: Vec<(String, String)>,
+    /// The program from elsewhere that stood for the stage.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub program: Option<StageProgram>,
+}
+
+/// A program from elsewhere that stands for a stage.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub struct StageProgram {
+    /// The stage.
+    pub stage: String,
+    /// Its command as it was typed.
+    pub command: String,
+    /// The files that the command names, with their digests: the program, a script.
+    pub files: BTreeMap<String, String>,
+}
+
+impl StageRecord {
+    /// Names the program that wrote it, where a run notes one from elsewhere.
+    pub fn name_program(&mut self, pipeline: &Pipeline) {
+        let stage = self.stage.clone();
+        let files = pipeline.files(&stage);
+        self.program =
+            pipeline.typed("program", &stage).map(|typed| StageProgram { stage, command: typed.to_owned(), files });
+    }
+
+    /// The version of the stage, or the program that stood for it with its files: `python3 my.py (my.py 1a2b3c4d)`.
+    pub fn made_by(&self) -> String {
+        let Some(program) = &self.program else { return self.version.clone() };
+        let files: Vec<String> =
+            program.files.iter().map(|(name, digest)| format!("{name} {}", short(digest))).collect();
+        if files.is_empty() { program.command.clone() } else { format!("{} ({})", program.command, files.join(", ")) }
+    }
 }
 
 impl Run {
