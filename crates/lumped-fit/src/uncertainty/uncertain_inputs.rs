@@ -4,8 +4,8 @@
 //! sensitivities of the misfit `r` to the coordinates and `D = dr/du` those to the inputs in their standard deviations,
 //! the fitted coordinates move by `G = -(J'J)^-1 J' D`, and their covariance gains `G C G'`. `C` is the identity where
 //! only the deviations are known (JCGM 100, 5.1.2). Where the noise of the sensors explains what model and inputs leave
-//! of the accelerations, the record itself measures its inputs: `C = (I + D'(I - J (J'J)^-1 J') D)^-1`, both in units of
-//! the noise, about the inputs of least misfit, to which the record is corrected first.
+//! of the accelerations, the record itself measures its inputs: `C = (I + D'(I - J (J'J)^-1 J') D)^-1`, both in units
+//! of the noise, about the inputs of least misfit, to which the record is corrected first.
 
 use crumple_lumped::Model;
 use crumple_numerics::linalg::jacobi_svd;
@@ -20,8 +20,8 @@ use crate::uncertainty::acceleration_likelihood::AccelerationLikelihood;
 use crate::uncertainty::assessment::AssessmentOptions;
 use crate::uncertainty::propagation::{Errors, InputUncertainty, with_errors};
 
-/// Standard deviation of time zero, s, where nobody states it: a trigger is up to 0.1 ms off, a causal anti-alias filter
-/// of 4 poles at 1650 Hz, the corner of class 1000, delays by 0.25 ms.
+/// Standard deviation of time zero, s, where nobody states it: a trigger is up to 0.1 ms off, a causal anti-alias
+/// filter of 4 poles at 1650 Hz, the corner of class 1000 (SAE J211-1), delays by 0.25 ms.
 pub const TIME_ZERO_S: f64 = 2.5e-4;
 /// Largest step of a difference quotient by time zero, s.
 const LARGEST_STEP_S: f64 = 2.5e-4;
@@ -96,8 +96,8 @@ impl Errors {
     }
 }
 
-/// Change of rows, of which each wave has so many, by one deviation of each input: one column for each. `rows`: those of
-/// a record. Where a shifted record has fewer samples, the last changes as the one before.
+/// Change of rows by one deviation of each input: one column for each. `rows`: those of each wave of a record. Where
+/// a shifted record has fewer samples, the last changes as the one before.
 fn by_inputs(
     (observed, at, inputs): (&Observation, &Errors, &[Input]),
     rows: impl Fn(&Observation) -> Option<Vec<Vec<f64>>>,
