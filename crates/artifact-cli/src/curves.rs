@@ -5,6 +5,7 @@ use std::fmt::Write;
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{CandidateV1, RatedCandidateV1, RecommendationV1};
 use crumple_lumped::{Element, Model, Node};
+use crumple_numerics::estimation::statistics::NORMAL_95;
 
 use crate::error::CurveError;
 
@@ -120,16 +121,13 @@ pub fn static_curves(
     }
 }
 
-/// Half width of a 95 % interval of a normal distribution, in standard deviations.
-const HALF_WIDTH_95: f64 = 1.96;
-
 /// The ends of the 95 % interval of each number: beside what no lumped model describes, where the choice says it, else
 /// by the noise alone.
 fn ends_of_numbers(record: &CandidateV1, rated: Option<&RatedCandidateV1>) -> Vec<(String, [f64; 2])> {
     let of_choice = rated.map(|rated| &rated.log_deviations).filter(|deviations| !deviations.is_empty());
     if let Some(deviations) = of_choice {
         let of = |(name, deviation): (&String, &f64)| {
-            let (value, factor) = (*record.parameters.get(name)?, (HALF_WIDTH_95 * deviation).exp());
+            let (value, factor) = (*record.parameters.get(name)?, (NORMAL_95 * deviation).exp());
             Some((name.clone(), [value / factor, value * factor]))
         };
         return deviations.iter().filter_map(of).collect();
@@ -138,7 +136,7 @@ fn ends_of_numbers(record: &CandidateV1, rated: Option<&RatedCandidateV1>) -> Ve
     let both = known.interval_low.iter().filter_map(|(name, low)| {
         let high = known.interval_high.get(name).copied().flatten();
         // What nothing determines is known to a factor of 2 beforehand, as the choice has it.
-        let (value, factor) = (*record.parameters.get(name)?, (HALF_WIDTH_95 * std::f64::consts::LN_2).exp());
+        let (value, factor) = (*record.parameters.get(name)?, (NORMAL_95 * std::f64::consts::LN_2).exp());
         Some((name.clone(), [low.unwrap_or(value / factor), high.unwrap_or(value * factor)]))
     });
     both.collect()

@@ -118,10 +118,7 @@ fn cut_text(cut: CutRise) -> String {
 
 /// Standard deviation of a spread, s.
 fn deviation_of(stated: Option<Spread>) -> f64 {
-    stated.map_or(0.0, |Spread { size, distribution }| match distribution {
-        Distribution::Normal => size,
-        Distribution::Uniform => size / 3.0_f64.sqrt(),
-    })
+    stated.map_or(0.0, Spread::deviation)
 }
 
 fn spread(stated: Uncertain<Time>) -> Spread {

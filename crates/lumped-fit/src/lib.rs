@@ -101,6 +101,7 @@ mod uncertainty {
     pub mod mass_division;
     pub mod propagation;
     pub mod transfer_posterior;
+    pub mod uncertain_inputs;
 }
 
 pub use candidate::{
@@ -135,3 +136,4 @@ pub use solvers::closed_forms::{ONE_MASS_RATE_S_PER_M, RATE_PRIOR_S_PER_M};
 pub use solvers::table::{SolveSettings, solve};
 pub use uncertainty::assessment::AssessmentOptions;
 pub use uncertainty::propagation::{FollowedEvents, InputUncertainty, Repetition, propagate};
+pub use uncertainty::uncertain_inputs::{TIME_ZERO_S, WithInputs};

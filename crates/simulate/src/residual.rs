@@ -1,7 +1,7 @@
 //! What a model leaves of the measured acceleration, and whether that looks like noise.
 
-/// Standard deviations to either side of 95 % of a normal distribution.
-pub(crate) const HALF_WIDTH_95: f64 = 1.96;
+use crumple_numerics::estimation::statistics::NORMAL_95;
+
 /// Share of the compared window up to which lags are looked at.
 const LAGS: usize = 4;
 /// Most lags, beside lag 0: no picture shows more, and a record of 2 s at 20 kHz has 10,000 of them.
@@ -46,7 +46,7 @@ pub fn residual(test: &[f64], model: &[f64], dt_s: f64) -> Option<Residual> {
     let lags = left.len() / LAGS;
     let step = lags.div_ceil(MOST_LAGS).max(1);
     let autocorrelation: Vec<f64> = (0..=lags).step_by(step).map(at_lag).collect();
-    let limit = HALF_WIDTH_95 / count.sqrt();
+    let limit = NORMAL_95 / count.sqrt();
     let outside = autocorrelation.iter().skip(1).filter(|r| r.abs() > limit).count();
     Some(Residual {
         rms_m_per_s2: (whole / count).sqrt(),

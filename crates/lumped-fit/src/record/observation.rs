@@ -107,6 +107,13 @@ impl WholeWave {
         Some((b + s * slope + 0.5 * s * s * bend, (slope + s * bend) / self.dt_s))
     }
 
+    /// The same with another time zero, `late_s` later, and with values moved by their time after the old one.
+    pub fn moved(&self, late_s: f64, by: impl Fn(f64, f64) -> f64) -> Self {
+        let time_s = |k: usize| self.first_s + k as f64 * self.dt_s;
+        let samples = self.samples.iter().enumerate().map(|(k, x)| by(time_s(k), *x)).collect();
+        Self { first_s: self.first_s - late_s, dt_s: self.dt_s, samples }
+    }
+
     /// Samples `first`, `first + stride`, ... up to `last`, counted on the grid of `measurement`; the first index there
     /// is one of.
     pub fn picked(&self, measurement: &Measurement, first: f64, last: usize, stride: usize) -> (usize, Vec<f64>) {

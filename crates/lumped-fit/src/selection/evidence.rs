@@ -15,10 +15,8 @@ use crumple_lumped::Model;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use crate::record::observation::Observation;
+use crate::uncertainty::uncertain_inputs::TIME_ZERO_S;
 
-/// Standard deviation of time zero, s: a trigger is up to 0.1 ms off, a causal anti-alias filter of 4 poles at 1650 Hz
-/// delays by 0.25 ms.
-const TIME_ZERO_S: f64 = 2.5e-4;
 /// Standard deviation of the logarithm of a number before the record: a factor of 2, the range of vehicles.
 const BEFORE_THE_RECORD: f64 = LN_2;
 /// What each number is charged beforehand, beside what the score charges it for what it foretells: one more halves the

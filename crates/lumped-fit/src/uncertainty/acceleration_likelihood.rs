@@ -5,7 +5,7 @@
 
 use crumple_lumped::ParameterKind;
 use crumple_numerics::estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, derivatives, descend};
-use crumple_numerics::estimation::statistics::{Covariance, shortest_with, student_95};
+use crumple_numerics::estimation::statistics::{Covariance, NORMAL_95, shortest_with, student_95};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
@@ -85,7 +85,8 @@ impl<'a> AccelerationLikelihood<'a> {
         is_near.then_some(source)
     }
 
-    fn at(coordinates: &'a Coordinates, observed: &Observation, theta: &[f64]) -> Option<Self> {
+    /// The misfit at `theta` itself.
+    pub fn at(coordinates: &'a Coordinates, observed: &Observation, theta: &[f64]) -> Option<Self> {
         let noises: Option<Vec<_>> =
             observed.waves.iter().map(|wave| SensorNoise::of(wave).map(|noise| (noise, false))).collect();
         let waves = observed.waves.iter().map(|wave| ObservedWave { weight: 1.0, ..wave.dense() }).collect();
@@ -104,7 +105,7 @@ impl<'a> AccelerationLikelihood<'a> {
         let mut first = 0;
         let mut pooled = Vec::with_capacity(source.noises.len());
         for (wave, (noise, _)) in source.dense.waves.iter().zip(&source.noises) {
-            let count = as_acceleration(wave.quantity, wave.measurement.dt_s, &wave.samples).len();
+            let count = rows_of(wave);
             let sensitivities = sensitivities.rows(first, count).into_owned();
             let explained = noise.with_misfit(wave, &rows[first..first + count], &sensitivities);
             first += count;
@@ -137,6 +138,29 @@ impl<'a> AccelerationLikelihood<'a> {
     /// The misfit in units of the noise, and its derivatives by the coordinates.
     pub fn linear(&self, theta: &[f64]) -> Option<(Vec<f64>, DMatrix<f64>)> {
         self.linear_of(self.coordinates, theta)
+    }
+
+    /// The misfit in units of the noise, wave by wave.
+    pub fn by_waves(&self, theta: &[f64]) -> Option<Vec<Vec<f64>>> {
+        let mut remaining = self.misfit().at(theta)?;
+        let waves = self.dense.waves.iter().map(|wave| {
+            let others = remaining.split_off(rows_of(wave).min(remaining.len()));
+            std::mem::replace(&mut remaining, others)
+        });
+        Some(waves.collect())
+    }
+
+    /// Rows in those units, wave after wave, as independent ones of unit variance ([`SensorNoise::whitened`]).
+    pub fn whitened(&self, rows: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+        let mut first = 0;
+        let parts = self.dense.waves.iter().zip(&self.noises).map(|(wave, (noise, _))| {
+            let of_wave = rows.rows(first, rows_of(wave)).into_owned();
+            first += of_wave.nrows();
+            noise.whitened(wave, &of_wave)
+        });
+        let parts: Vec<DMatrix<f64>> = parts.collect::<Option<_>>()?;
+        let rows: Vec<_> = parts.iter().flat_map(DMatrix::row_iter).collect();
+        Some(DMatrix::from_rows(&rows))
     }
 
     /// The same of another model in the same test.
@@ -246,8 +270,9 @@ impl<'a> AccelerationLikelihood<'a> {
     }
 
     /// The 95 % intervals, by profile of the likelihood of the accelerations, of the coordinates along which the
-    /// response is not straight from the minimum `theta` to the ends of the linear interval. They hold the minimum too:
-    /// one that is outside becomes an end, and the other end moves in until 95 % are left.
+    /// response is not straight from the minimum `theta` to the ends of the linear interval. They hold the coordinates
+    /// `held` too: one that is outside becomes an end, and the other end moves in until 95 % are left. `by_inputs`: the
+    /// change of each coordinate by one deviation of each uncertain input.
     ///
     /// The others move along the covariance, `h P_i/P_ii`; straight is a response that misses what the sensitivities
     /// say by less than [`STRAIGHT`]. The fall of the likelihood is that of Student's distribution for the degrees of
@@ -255,8 +280,8 @@ impl<'a> AccelerationLikelihood<'a> {
     pub fn curved(
         &self,
         names: &[String],
-        (theta, kept): (&[f64], &[usize]),
-        covariance: &Covariance,
+        (theta, held, kept): (&[f64], &[f64], &[usize]),
+        (covariance, by_inputs): (&Covariance, &DMatrix<f64>),
     ) -> Vec<(usize, Ends)> {
         let misfit = self.misfit();
         let free = &self.coordinates.free;
@@ -268,10 +293,31 @@ impl<'a> AccelerationLikelihood<'a> {
                 return None;
             }
             let profile = self.profile(&misfit, names, (i, least), covariance.half_width[k]);
-            Some((i, holding(&free[i], (self.theta[i], theta[i]), (profile.low, profile.high))))
+            let ends = widened(&free[i], self.theta[i], by_inputs.row(i).norm(), (profile.low, profile.high));
+            Some((i, holding(&free[i], (self.theta[i], held[i]), ends)))
         };
         kept.par_iter().enumerate().filter_map(by_profile).collect()
     }
+}
+
+/// Rows of the accelerations of a wave.
+fn rows_of(wave: &ObservedWave) -> usize {
+    as_acceleration(wave.quantity, wave.measurement.dt_s, &wave.samples).len()
+}
+
+/// An interval around a coordinate with an error beside what it holds, of this deviation of the coordinate. A zero that
+/// cuts an interval stays, and one below zero is cut there.
+pub(crate) fn widened(number: &FitParameter, at: f64, deviation: f64, (low, high): Ends) -> Ends {
+    let half = NORMAL_95 * deviation;
+    if half == 0.0 {
+        return (low, high);
+    }
+    let moved = |end: f64| {
+        let from = number.coordinate(end) - at;
+        number.value(at + from.hypot(half).copysign(from))
+    };
+    let low = low.map(|low| if low == 0.0 { low } else { moved(low).max(0.0) });
+    (low, high.map(moved))
 }
 
 /// An interval around `least`, as the shortest one that also holds `fitted`: coordinates. Each side is taken as half of

@@ -10,7 +10,8 @@ use std::collections::BTreeMap;
 use crumple_lumped::{Model, ModelKind, ParameterKind};
 use crumple_numerics::estimation::random::{RandomNumbers, circular_blocks};
 use crumple_numerics::estimation::statistics::{
-    Block, Covariance, SensorError, covariance_of_blocks, geyer_autocorrelation_time, lag_1_autocorrelation, quantile,
+    Block, Covariance, NORMAL_95, SensorError, covariance_of_blocks, geyer_autocorrelation_time, lag_1_autocorrelation,
+    quantile,
 };
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -21,7 +22,7 @@ use crate::fit::as_measured::near;
 use crate::record::observation::Observation;
 use crate::record::sensor::FitQuantity;
 use crate::record::sensor_noise::SensorNoise;
-use crate::uncertainty::acceleration_likelihood::{AccelerationLikelihood, Ends, holding};
+use crate::uncertainty::acceleration_likelihood::{AccelerationLikelihood, Ends, holding, widened};
 use crate::uncertainty::curve_posterior::curve_intervals;
 use crate::uncertainty::mass_division::Profiled;
 
@@ -215,10 +216,21 @@ impl Minimum {
     /// left out of the matrices and has an open interval. Where masses are fitted, the last one is the rest of the
     /// total and follows from the others.
     pub fn assess(&self, given: Option<&Model>, options: AssessmentOptions) -> Option<Assessment> {
+        self.assess_with(given.map(|model| (model, false)), &DMatrix::zeros(self.free.len(), 0), options)
+    }
+
+    /// The same with uncertain inputs: `by_inputs`, the change of each coordinate by one deviation of each. `given`:
+    /// also whether the values are those of a fit.
+    pub(crate) fn assess_with(
+        &self,
+        given: Option<(&Model, bool)>,
+        by_inputs: &DMatrix<f64>,
+        options: AssessmentOptions,
+    ) -> Option<Assessment> {
         let coordinates = self.coordinates();
-        let of_given = |model: &Model| {
+        let of_given = |(model, is_of_fit): (&Model, bool)| {
             let values = model.values();
-            self.free.iter().map(|p| values[p.index]).collect::<Vec<f64>>()
+            Given { values: self.free.iter().map(|p| values[p.index]).collect(), is_of_fit }
         };
         let at = AtMinimum {
             coordinates: &coordinates,
@@ -227,11 +239,25 @@ impl Minimum {
             on_bound: &self.on_bound,
             misfit: &self.misfit_m,
             sensitivities: &self.sensitivity_m,
+            by_inputs,
             of_curves: curve_intervals(self),
         };
-        let mut assessment = at.assess(given.map(of_given).as_deref(), options)?;
+        let mut assessment = at.assess(given.map(of_given).as_ref(), options)?;
         open_knots_beside_open_ones(self.model.kind(), &mut assessment.interval);
         Some(assessment)
+    }
+}
+
+impl Assessment {
+    /// Extends every closed interval to the value of its parameter in a model: one that is written beside a value holds
+    /// it, where that stands on a bound of its search, too.
+    pub fn hold(&mut self, model: &Model) {
+        let values = model.parameters();
+        for (name, (low, high)) in &mut self.interval {
+            let Some(value) = values.get(name.as_str()) else { continue };
+            *low = low.map(|low| low.min(*value));
+            *high = high.map(|high| high.max(*value));
+        }
     }
 }
 
@@ -244,6 +270,13 @@ fn open_knots_beside_open_ones(model: ModelKind, interval: &mut Intervals) {
             interval.extend(knots().map(|name| (name.to_owned(), (None, None))));
         }
     }
+}
+
+/// Values of the free numbers to assess in place of those of the minimum.
+struct Given {
+    values: Vec<f64>,
+    /// Whether they are those of a fit.
+    is_of_fit: bool,
 }
 
 /// A minimum of anything with free numbers. Misfit and sensitivities by the coordinates are weighted, in the unit of
@@ -261,13 +294,15 @@ struct AtMinimum<'a> {
     misfit: &'a [f64],
     /// One column for each coordinate.
     sensitivities: &'a DMatrix<f64>,
+    /// Change of every coordinate by one deviation of each uncertain input.
+    by_inputs: &'a DMatrix<f64>,
     /// Intervals of all free numbers, where they are known beside the minimum; they are extended to its values.
     of_curves: Option<Intervals>,
 }
 
 impl AtMinimum<'_> {
-    /// See [`Minimum::assess`]; `given`: values of the free numbers, in their order.
-    fn assess(&self, given: Option<&[f64]>, options: AssessmentOptions) -> Option<Assessment> {
+    /// See [`Minimum::assess`].
+    fn assess(&self, given: Option<&Given>, options: AssessmentOptions) -> Option<Assessment> {
         let (free, theta, names) = (&self.coordinates.free, self.theta, self.coordinates.names());
         // What stands on zero is assessed from its one side; what stands on the end of the search is not assessed.
         // Neither is what moves nothing in the window: it stays open on both sides.
@@ -276,9 +311,10 @@ impl AtMinimum<'_> {
         let kept: Vec<usize> = (0..theta.len()).filter(assessed).collect();
         let columns = self.sensitivities.select_columns(&kept);
         let source = AccelerationLikelihood::of(self.coordinates, self.observed, theta, &kept);
-        let covariance = self.covariance(&columns, source.as_ref())?;
+        let mut covariance = self.covariance(&columns, source.as_ref())?;
+        covariance.add(&self.by_inputs.select_rows(&kept));
         let mut standard_deviation = BTreeMap::new();
-        let value = |i: usize| given.map_or_else(|| free[i].value(theta[i]), |values| values[i]);
+        let value = |i: usize| given.map_or_else(|| free[i].value(theta[i]), |given| given.values[i]);
         let mut interval: Intervals = names.iter().map(|name| (name.clone(), (None, None))).collect();
         for (k, &i) in kept.iter().enumerate() {
             let value = value(i);
@@ -294,13 +330,16 @@ impl AtMinimum<'_> {
             interval.insert(names[i].clone(), holding(&free[i], (theta[i], theta[i] + away), ends));
         }
         let least_misfit = source.as_ref().map(|source| source.least_misfit(&names));
-        if let Some(source) = source.filter(|source| given.is_none() && source.explains()) {
-            let curved = source.curved(&names, (theta, &kept), &covariance);
+        let is_of_fit = given.is_none_or(|given| given.is_of_fit);
+        if let Some(source) = source.filter(|source| is_of_fit && source.explains()) {
+            let held = |i: usize| Some(free[i].coordinate(value(i))).filter(|x| x.is_finite()).unwrap_or(theta[i]);
+            let held: Vec<f64> = (0..theta.len()).map(held).collect();
+            let curved = source.curved(&names, (theta, &held, &kept), (&covariance, self.by_inputs));
             interval.extend(curved.into_iter().map(|(i, ends)| (names[i].clone(), ends)));
         }
         match &self.of_curves {
             Some(of_curves) => interval.extend((0..names.len()).filter_map(|i| {
-                let (low, high) = of_curves.get(&names[i])?;
+                let (low, high) = self.widened(i, *of_curves.get(&names[i])?);
                 let ends = (low.map(|low| low.min(value(i))), high.map(|high| high.max(value(i))));
                 Some((names[i].clone(), ends))
             })),
@@ -344,6 +383,11 @@ impl AtMinimum<'_> {
         })
     }
 
+    /// An interval about the minimum with the uncertain inputs.
+    fn widened(&self, i: usize, ends: Ends) -> Ends {
+        widened(&self.coordinates.free[i], self.theta[i], self.by_inputs.row(i).norm(), ends)
+    }
+
     /// The intervals of knots: open above where they leave the range of the knot; where the noise of the sensors is
     /// known, those that are still closed by the likelihood over that range if it explains the misfit, and open if it
     /// does not. They hold the value.
@@ -368,7 +412,8 @@ impl AtMinimum<'_> {
         }
         let source = AccelerationLikelihood::of_knots(self.coordinates, self.observed, self.theta, kept);
         for i in closed {
-            let (low, high) = source.as_ref().and_then(|source| source.whole_range(names, i)).unwrap_or_default();
+            let ends = source.as_ref().and_then(|source| source.whole_range(names, i)).unwrap_or_default();
+            let (low, high) = self.widened(i, ends);
             let ends = (low.map(|low| low.min(value(i))), high.map(|high| high.max(value(i))));
             interval.insert(names[i].clone(), ends);
         }
@@ -492,7 +537,7 @@ fn of_the_rest(
         (rest(of_first.1), rest(of_first.0))
     } else {
         let factor = |i: &usize| covariance.half_width[*i] / covariance.matrix[(*i, *i)].sqrt();
-        let half = places.iter().map(factor).fold(1.96, f64::max) * deviation;
+        let half = places.iter().map(factor).fold(NORMAL_95, f64::max) * deviation;
         if half.is_finite() { (Some((value - half).max(0.0)), Some(value + half)) } else { (None, None) }
     };
     (deviation, ends)

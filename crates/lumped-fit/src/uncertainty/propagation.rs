@@ -4,10 +4,11 @@
 //! again, take percentiles. The errors are those that are the same in the whole record, which no residual shows.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use crumple_lumped::{Model, Nonlinear1, Parameter, ParameterKind};
 use crumple_numerics::estimation::random::RandomNumbers;
-use crumple_signal::{Distribution, Measurement};
+use crumple_signal::{BeforeEvent, Distribution, Measurement};
 use rayon::prelude::*;
 
 use crate::candidate::{Minimum, Propagation};
@@ -40,6 +41,12 @@ pub struct InputUncertainty {
 impl InputUncertainty {
     /// Repetitions where no number is asked for: ten of 200 lie beyond each end of a 90 % interval.
     pub const REPETITIONS: usize = 200;
+
+    /// Standard deviations of mass, impact speed, zero level and contact.
+    pub fn deviations(&self) -> [f64; 4] {
+        let sizes = [self.mass_kg, self.impact_speed_m_per_s, self.bias_m_per_s2, self.contact_s];
+        std::array::from_fn(|k| self.distributions[k].deviation(sizes[k]))
+    }
 
     /// Whether anything is uncertain.
     pub fn any(&self) -> bool {
@@ -171,25 +178,29 @@ fn shifted(wave: &ObservedWave, v0: f64, errors: &Errors, bias: f64) -> Observed
         0.0 => before,
         late => wave.record.at(late).unwrap_or((before.0 + late * before.1, before.1)),
     };
-    let timed = x.iter().enumerate().map(|(k, x)| (m.time_s(first + k * wave.stride), *x));
-    let samples = match wave.quantity {
-        FitQuantity::Acceleration => x.iter().map(|a| a + bias).collect(),
+    // Value at a time of the old axis.
+    let moved: Box<dyn Fn(f64, f64) -> f64> = match wave.quantity {
+        FitQuantity::Acceleration => Box::new(|_, a| a + bias),
         // Load cells have a zero level of their own, which is taken off before the filter.
-        FitQuantity::Force => x,
+        FitQuantity::Force => Box::new(|_, force| force),
         FitQuantity::Velocity => {
             let lost = if m.from_contact { at_contact((v0, 0.0)).0 - v0 } else { 0.0 };
-            timed.map(|(t, v)| v - lost + speed + bias * (t - start_s)).collect()
+            Box::new(move |t, v| v - lost + speed + bias * (t - start_s))
         }
         FitQuantity::Displacement => {
             // Another speed moves the vehicle from contact on, another zero level what is integrated.
-            let bent = |t: f64| 0.5 * bias * (t - start_s) * (t - start_s);
+            let bent = move |t: f64| 0.5 * bias * (t - start_s) * (t - start_s);
             let (origin, velocity) = at_contact((0.0, v0));
             let lost = if m.from_contact { velocity - v0 } else { 0.0 };
             let at_contact = origin + bent(late.max(start_s));
-            timed.map(|(t, x)| x + (speed - lost) * (t - late) + bent(t) - at_contact).collect()
+            Box::new(move |t, x| x + (speed - lost) * (t - late) + bent(t) - at_contact)
         }
     };
-    ObservedWave { measurement: Measurement { first_s: m.first_s - late, ..m }, first, samples, ..wave.clone() }
+    let samples = x.iter().enumerate().map(|(k, x)| moved(m.time_s(first + k * wave.stride), *x)).collect();
+    let record = Arc::new(wave.record.moved(late, moved));
+    let before_event = m.before_event.map(|quiet| BeforeEvent { from_s: quiet.from_s - late, ..quiet });
+    let measurement = Measurement { first_s: m.first_s - late, before_event, ..m };
+    ObservedWave { measurement, first, samples, record, ..wave.clone() }
 }
 
 /// Repeats the fit of `model` with inputs drawn again, each from the values found, and reads the percentiles.

@@ -99,8 +99,10 @@ pub fn assess_each(
 /// taken at that minimum.
 pub fn assess_fit(candidate: &Candidate, asked: &AssessmentSettings, mass_kg: Option<f64>) -> Option<Assessed> {
     let minimum = candidate.minimum.as_ref()?;
-    let mut assessment = minimum.assess(None, asked.options())?;
+    let uncertain = minimum.with_inputs(&asked.of_intervals);
+    let mut assessment = uncertain.assess((&minimum.model, true), asked.options())?;
     assessment.least_misfit = None;
+    assessment.hold(&minimum.model);
     let mass_kg = mass_kg.filter(|_| candidate.stated.is_some() && asked.inputs.any());
     let propagation = mass_kg.and_then(|kg| minimum.propagate_chain(kg, &asked.inputs, asked.repetitions));
     Some(Assessed { assessment, propagation, repeated: "fit", front_mass_uncertainty: 0.0 })
@@ -112,7 +114,9 @@ impl Assessor<'_> {
         let asked = &self.settings.assessment;
         let at_minimum = candidate.is_at_minimum();
         let options = if at_minimum { asked.options() } else { AssessmentOptions::default() };
-        let mut assessment = minimum.assess((!at_minimum).then_some(&candidate.model), options)?;
+        let uncertain = minimum.with_inputs(&asked.of_intervals);
+        let values = if at_minimum { &minimum.model } else { &candidate.model };
+        let mut assessment = uncertain.assess((values, at_minimum), options)?;
         assessment.interval.extend(candidate.fixed_at_bound().into_iter().map(|name| (name.to_owned(), (None, None))));
         if candidate.unloads_rigidly() {
             assessment.interval.insert("unloading_stiffness_n_per_m".to_owned(), (None, None));
@@ -130,8 +134,9 @@ impl Assessor<'_> {
         let front_mass_uncertainty =
             if of_several && at_minimum && !given { asked.front_mass_uncertainty } else { 0.0 };
         if of_several && at_minimum {
-            minimum.widen_by_mass_split(&mut assessment, front_mass_uncertainty);
+            uncertain.minimum.widen_by_mass_split(&mut assessment, front_mass_uncertainty);
         }
+        assessment.hold(&candidate.model);
         let repeated = match candidate.method {
             Method::ClosedForm if candidate.fit.is_none() => "closed form",
             _ if is_conditioned(candidate) => "fit, from its own minimum each time,",

@@ -230,7 +230,8 @@ pub struct Options {
     #[arg(long, value_name = "MASS")]
     pub mass_uncertainty: Option<Uncertain<Mass>>,
 
-    /// Uncertainty of the impact speed, e.g. "0.1 km/h uniform": propagated to crush and parameters [default: 0 m/s]
+    /// Uncertainty of the impact speed, e.g. "0.1 km/h uniform": propagated to crush and parameters [default: in
+    /// intervals 0.1 km/h uniform, not propagated]
     #[arg(long, value_name = "SPEED")]
     pub speed_uncertainty: Option<Uncertain<Speed>>,
 

@@ -7,6 +7,7 @@ use crumple_lumped_fit::{
     Assessed, BlockBootstrap, Candidate, Comparison, EvaluatedCandidate, Fit, KnownNumbers, MassDivisions, Matched,
     Minimum, Profile, Propagation, SensorFit, Uncertainty,
 };
+use crumple_numerics::estimation::statistics::NORMAL_95;
 use crumple_stage::records::{
     CandidateV1, Certainty, FitV1, MassDivisionsV1, MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1,
     PhysicalCoordinatesV1, ProfileV1, ReplicatesV1, SensorFitV1, UncertaintyV1,
@@ -335,7 +336,7 @@ fn uncertainty_of_fit(uncertainty: &Uncertainty, model: &Model) -> UncertaintyV1
             .filter(|(name, _)| model.kind().parameter(name).is_some_and(|parameter| !is_given(parameter)))
             .map(|(name, value)| {
                 let known = uncertainty.standard_deviation.get(name.as_str()).filter(|_| *value > 0.0);
-                let half = known.map(|deviation| 1.96 * deviation / value).filter(|half| *half < 9.0);
+                let half = known.map(|deviation| NORMAL_95 * deviation / value).filter(|half| *half < 9.0);
                 (name.clone(), half.map(|half| value * (side * half).exp()))
             })
             .collect()

@@ -3,7 +3,7 @@
 use crumple_lumped::ModelKind;
 use crumple_lumped_fit::{
     AssessmentOptions, FireflyOptions, InputUncertainty, MassFit, MassSplit, Method, ONE_MASS_RATE_S_PER_M,
-    SelectionRules, SolveSettings,
+    SelectionRules, SolveSettings, TIME_ZERO_S,
 };
 use crumple_numerics::estimation::minimise::l_shade::LShadeOptions;
 use crumple_signal::value::{Mass, Time};
@@ -162,9 +162,15 @@ fn front_mass_uncertainty(options: &Options) -> Result<f64, Usage> {
 }
 
 impl StageSettings {
-    /// The same with the uncertainty of contact that the test states, where other inputs are uncertain.
+    /// The same with the uncertainty of contact that the test states: for intervals, and where other inputs are
+    /// uncertain for what is repeated.
     pub fn with_contact(&self, uncertainty_s: Option<Spread>) -> Self {
         let mut with = self.clone();
+        if let Some(Spread { size, distribution }) = uncertainty_s {
+            let of_intervals = &mut with.assessment.of_intervals;
+            of_intervals.contact_s = size;
+            of_intervals.distributions[3] = distribution;
+        }
         let inputs = &mut with.assessment.inputs;
         if let Some(Spread { size, distribution }) = uncertainty_s.filter(|_| inputs.any()) {
             inputs.contact_s = size;
@@ -193,8 +199,24 @@ fn assessment_settings(options: &Options) -> Result<AssessmentSettings, Usage> {
                 Distribution::default(),
             ],
         },
+        of_intervals: inputs_of_intervals(options),
         repetitions: replicates("repetitions", options.repetitions.unwrap_or(InputUncertainty::REPETITIONS))?,
     })
+}
+
+/// The inputs whose errors are in every interval: time zero and impact speed, as usual where nobody states them, and a
+/// stated zero level.
+fn inputs_of_intervals(options: &Options) -> InputUncertainty {
+    let usual = Spread::USUAL_SPEED;
+    let speed = options.speed_uncertainty.map_or(usual, |u| Spread { size: u.size.si(), distribution: u.distribution });
+    let of_bias = options.bias_uncertainty.map(|u| u.distribution).unwrap_or_default();
+    InputUncertainty {
+        impact_speed_m_per_s: speed.size,
+        bias_m_per_s2: options.bias_uncertainty.map_or(0.0, |u| u.size.si()),
+        contact_s: TIME_ZERO_S,
+        distributions: [Distribution::Normal, speed.distribution, of_bias, Distribution::Normal],
+        mass_kg: 0.0,
+    }
 }
 
 /// Rate factor of a force-deflection curve, s/m.
@@ -283,6 +305,7 @@ impl Serialize for StageSettings {
             ("fit_from_s", solve.fit_from_s),
             ("front_mass_uncertainty", asked.front_mass_uncertainty),
             ("mass_uncertainty_kg", asked.inputs.mass_kg),
+            ("interval_speed_deviation_m_per_s", asked.of_intervals.deviations()[1]),
             ("speed_uncertainty_m_per_s", asked.inputs.impact_speed_m_per_s),
             ("bias_uncertainty_m_per_s2", asked.inputs.bias_m_per_s2),
             ("plastic_prior", rules.plastic_prior),
@@ -315,8 +338,10 @@ pub struct AssessmentSettings {
     pub bootstrap: usize,
     /// Half width of the share of the mass in front; 0 where masses are given or fitted.
     pub front_mass_uncertainty: f64,
-    /// How uncertain the inputs are.
+    /// How uncertain the inputs are, where that is stated: for what is repeated.
     pub inputs: InputUncertainty,
+    /// How uncertain they are, stated or not: for the intervals.
+    pub of_intervals: InputUncertainty,
     pub repetitions: usize,
 }
 

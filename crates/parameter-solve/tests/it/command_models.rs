@@ -6,6 +6,7 @@ use std::process::{Command, Output};
 use crumple_artifact::records::{CandidateV1, EvidenceV1, MatchingV1, NotesV1, TestV1, TransferFunctionV1};
 use crumple_artifact::{Artifact, ArtifactBuilder, Compression, Provenance};
 use crumple_lumped::{CrushEvents, DoubleSpringMassDamper, Maxwell, Model};
+use crumple_numerics::estimation::statistics::NORMAL_95;
 use crumple_signal::TestDescription;
 use crumple_testkit::integrated;
 
@@ -119,7 +120,7 @@ fn matched_springs_carry_the_deviations_of_the_identified_coefficients_and_a_del
         assert!(deviation > 0.0);
         // Log-normal, 1.96 relative deviations.
         let low = uncertainty.interval_low[name].unwrap();
-        assert!((low / value - (-1.96 * deviation / value).exp()).abs() < 1e-12, "{name}");
+        assert!((low / value - (-NORMAL_95 * deviation / value).exp()).abs() < 1e-12, "{name}");
     }
     // The covariance is that of the deviations: the same numbers, another label.
     let assumed = solved(Vec::new(), deviations).uncertainty.unwrap();

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::Inputs;
 use crumple_signal::value::{Mass, Speed};
-use crumple_signal::{Distribution, Uncertain};
+use crumple_signal::{Spread, Uncertain};
 use crumple_stage::Usage;
 use serde::{Deserialize, Serialize};
 
@@ -135,12 +135,11 @@ impl Settings {
         if let Some(mass) = masses_kg.iter().find(|mass| !(**mass > 0.0 && mass.is_finite())) {
             return Err(Usage::new(format!("mass is {mass} kg, expected a positive mass")).into());
         }
-        let usual = Uncertain { size: Speed::from_si(0.1 / 3.6), distribution: Distribution::Uniform };
-        let speed = options.speed_uncertainty.unwrap_or(usual);
+        let of_speed = |speed: Uncertain<Speed>| speed.distribution.deviation(speed.size.si());
         if let Some(ratio) = options.left_out.filter(|ratio| !(*ratio >= 0.0 && ratio.is_finite())) {
             return Err(Usage::new(format!("--left-out is {ratio}, expected zero or more")).into());
         }
-        let mass = options.mass_uncertainty.map_or(0.0, |mass| deviation(mass.size.si(), mass.distribution));
+        let mass = options.mass_uncertainty.map_or(0.0, |mass| mass.distribution.deviation(mass.size.si()));
         Ok(Self {
             speeds_m_per_s: all.0,
             asked_speeds_m_per_s: asked,
@@ -151,7 +150,7 @@ impl Settings {
             masses_kg,
             candidates: options.candidate,
             against: options.against,
-            speed_deviation_m_per_s: deviation(speed.size.si(), speed.distribution),
+            speed_deviation_m_per_s: options.speed_uncertainty.map_or(Spread::USUAL_SPEED.deviation(), of_speed),
             mass_deviation_kg: mass,
             left_out: options.left_out,
         })
@@ -213,14 +212,6 @@ fn occupant(described: &Described) -> Result<OccupantSettings, Usage> {
         Restraint::OfSensor(channel, mass_kg) => format!("{mass_kg:.0} kg, restraint fitted to {channel}"),
     };
     Ok(OccupantSettings { words, restraint })
-}
-
-/// Standard deviation; of a uniform distribution the half width over the root of 3.
-fn deviation(size: f64, distribution: Distribution) -> f64 {
-    match distribution {
-        Distribution::Normal => size,
-        Distribution::Uniform => size / 3.0_f64.sqrt(),
-    }
 }
 
 /// Speeds of a range at most.

@@ -34,6 +34,14 @@ impl Distribution {
             Self::Uniform => 1.0,
         }
     }
+
+    /// The standard deviation of an error of this size: of a uniform one the half width over the root of 3.
+    pub fn deviation(self, size: f64) -> f64 {
+        match self {
+            Self::Normal => size,
+            Self::Uniform => size / 3.0_f64.sqrt(),
+        }
+    }
 }
 
 /// How far an input may be off: the error has mean 0 and is independent of the errors of other inputs.
@@ -43,6 +51,17 @@ pub struct Spread {
     pub size: f64,
     /// Which of the two.
     pub distribution: Distribution,
+}
+
+impl Spread {
+    /// Uncertainty of an impact speed, m/s, where nobody states it: 0.1 km/h to either side, as a laboratory's light
+    /// barriers measure it.
+    pub const USUAL_SPEED: Self = Self { size: 0.1 / 3.6, distribution: Distribution::Uniform };
+
+    /// Its standard deviation.
+    pub fn deviation(self) -> f64 {
+        self.distribution.deviation(self.size)
+    }
 }
 
 /// `0.05 g uniform` is a half width, `0.1 km/h normal` and `0.1 km/h` are standard deviations.

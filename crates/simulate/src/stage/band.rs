@@ -1,9 +1,8 @@
 //! How far the motion of a model moves with its parameters, by their covariance.
 
 use crumple_lumped::{Instants, Motion, structure_of};
+use crumple_numerics::estimation::statistics::NORMAL_95;
 use crumple_stage::records::{CandidateV1, MotionBandV1, UncertaintyV1};
-
-use crate::residual::HALF_WIDTH_95;
 
 /// Instants of a band: no finer than a picture shows.
 const INSTANTS: usize = 200;
@@ -45,7 +44,7 @@ pub fn motion_band(candidate: &CandidateV1, impact_speed_m_per_s: f64, end_s: f6
                 derivatives.iter().map(|(below, above, step)| (wave(above)[k] - wave(below)[k]) / step).collect();
             let sum = |row: &Vec<f64>| row.iter().zip(&g).map(|(c, g)| c * g).sum::<f64>();
             let variance: f64 = covariance.iter().zip(&g).map(|(row, g)| g * sum(row)).sum();
-            HALF_WIDTH_95 * variance.max(0.0).sqrt()
+            NORMAL_95 * variance.max(0.0).sqrt()
         };
         let half_widths: Vec<f64> = (0..INSTANTS).map(half_width).collect();
         half_widths.iter().all(|half| half.is_finite()).then_some(half_widths)
@@ -103,13 +102,13 @@ mod tests {
         for (k, half) in band.displacement_m.iter().enumerate() {
             let t = k as f64 * band.dt_s;
             let by_w = v0 * (t * (w * t).cos() / w - (w * t).sin() / (w * w));
-            let expected = 1.96 * (by_w * per_k).abs() * 8e3;
+            let expected = NORMAL_95 * (by_w * per_k).abs() * 8e3;
             // The central difference is off by the square of its step.
             assert!((half - expected).abs() <= 1e-5 * expected + 1e-9, "{t}: {half} {expected}");
         }
         let last = *band.velocity_m_per_s.last().unwrap();
         let t = 0.0796;
-        let expected = 1.96 * v0 * t * (w * t).sin().abs() * per_k * 8e3;
+        let expected = NORMAL_95 * v0 * t * (w * t).sin().abs() * per_k * 8e3;
         assert!((last - expected).abs() <= 1e-5 * expected, "{last} {expected}");
     }
 

@@ -13,7 +13,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::estimation::statistics::student_95;
+use crate::estimation::statistics::{NORMAL_95, student_95};
 use crate::linalg::{dot, jacobi_svd, real_transform};
 
 /// Lag-1 autocorrelation of residuals, within 0 and 0.999 999; 0 for residuals that do not vary.
@@ -275,7 +275,7 @@ pub fn covariance_of_blocks(j_m: &DMatrix<f64>, residuals_m: &[f64], blocks: &[B
         if (rank..p).any(|k| svd.right[(i, k)].abs() > 1e-6) {
             f64::INFINITY
         } else {
-            let known = widened[(i, i)].max(0.0) + 1.96 * 1.96 * of_resolution[(i, i)].max(0.0);
+            let known = widened[(i, i)].max(0.0) + NORMAL_95 * NORMAL_95 * of_resolution[(i, i)].max(0.0);
             (t * t * of_noise[(i, i)].max(0.0) + known).sqrt()
         }
     });
@@ -290,6 +290,16 @@ pub fn covariance_of_blocks(j_m: &DMatrix<f64>, residuals_m: &[f64], blocks: &[B
 }
 
 impl Covariance {
+    /// Adds errors that the residuals do not show: `by_errors`, the change of each coordinate by one deviation of each
+    /// of them, normal and independent.
+    pub fn add(&mut self, by_errors: &DMatrix<f64>) {
+        let more = by_errors * by_errors.transpose();
+        for (half, variance) in self.half_width.iter_mut().zip(more.diagonal().iter()) {
+            *half = half.hypot(NORMAL_95 * variance.sqrt());
+        }
+        self.matrix += more;
+    }
+
     /// Correlation matrix; zero beside a parameter without deviation.
     pub fn correlation(&self) -> DMatrix<f64> {
         let deviation = self.matrix.diagonal().map(|v| v.max(0.0).sqrt());

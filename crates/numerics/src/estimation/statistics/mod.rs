@@ -30,6 +30,9 @@ mod autocorrelation;
 /// Degrees of freedom above which Student's distribution is taken as the normal one: they differ by 2e-6 there.
 const NORMAL_FROM: f64 = 1e6;
 
+/// Half width of a 95 % interval in standard deviations of a normal distribution.
+pub const NORMAL_95: f64 = 1.959_963_984_540_054;
+
 /// The factor of a 95 % interval by Student's distribution; fewer than one degree of freedom count as one.
 pub fn student_95(freedom: f64) -> f64 {
     let normal = || Normal::standard().inverse_cdf(0.975);
@@ -141,7 +144,7 @@ pub fn residual_tests(residual: &[f64], input: Option<&[f64]>, lags: usize) -> O
     let whiteness = n as f64 * (1..=lags).map(|lag| autocorrelation(lag).powi(2)).sum::<f64>();
     let input_correlation = input.filter(|u| u.len() == n).map(|u| {
         let norm = (energy * dot(u, u)).sqrt();
-        let limit = 1.96 / (n as f64).sqrt();
+        let limit = NORMAL_95 / (n as f64).sqrt();
         (0..=lags)
             .map(|lag| if norm > 0.0 { (dot(&residual[lag..], &u[..n - lag]) / norm).abs() / limit } else { 0.0 })
             .fold(0.0, f64::max)
