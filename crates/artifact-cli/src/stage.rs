@@ -270,7 +270,8 @@ fn check_files(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
                 say(format_args!("error: {fault}"));
             }
         }
-        let faults = if is_sound { faults_together(&artifacts, path.is_dir()) } else { Vec::new() };
+        let run = path.is_dir().then_some(path.as_path());
+        let faults = if is_sound { faults_together(&artifacts, run) } else { Vec::new() };
         for fault in &faults {
             status = ExitStatus::Refused;
             say(format_args!("error: {fault}"));
@@ -290,10 +291,26 @@ fn check_files(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
 
 /// Why artifacts are not those of one run: each that a folder lacks, results that were not made from each other. What
 /// such artifacts contradict each other in is not a fault of who wrote them.
-fn faults_together(artifacts: &[Artifact], is_folder: bool) -> Vec<String> {
+fn faults_together(artifacts: &[Artifact], run: Option<&Path>) -> Vec<String> {
     let name = |artifact: &Artifact| artifact.path().display().to_string();
-    let missing = artifacts.iter().filter(|_| is_folder).filter_map(|artifact| missing_input(artifact, artifacts));
-    missing.chain(refuse_a_mixture(artifacts, name).err().map(|mixture| mixture.to_string())).collect()
+    let missing: Vec<String> = match run {
+        None => Vec::new(),
+        Some(_) => artifacts.iter().filter_map(|artifact| missing_input(artifact, artifacts)).collect(),
+    };
+    let gone = run.filter(|_| missing.is_empty()).and_then(missing_output);
+    let mixture = refuse_a_mixture(artifacts, name).err().map(|mixture| mixture.to_string());
+    missing.into_iter().chain(gone).chain(mixture).collect()
+}
+
+/// What a run folder does not hold, and its whole run made.
+fn missing_output(run: &Path) -> Option<String> {
+    let pipeline =
+        pipeline_of(run).filter(|pipeline| pipeline.end().is_some() && Pipeline::failure_in(run).is_none())?;
+    // Of several tests with one model the folder has no motion of its own.
+    let made = chain().filter(|stage| !stage.is_optional || pipeline.table(stage.name).is_some());
+    let is_of_one = run.join("1-ingest.mcap").is_file();
+    let gone = made.filter(|_| is_of_one).flat_map(|stage| stage.outputs).find(|name| !run.join(name).is_file())?;
+    Some(format!("{}: there is no {gone}, which the run made", run.display()))
 }
 
 /// The pipeline of a run folder; `None` where there is none that can be read, which is no fault of its artifacts.
@@ -325,7 +342,7 @@ fn explain(words: &[PathBuf]) -> anyhow::Result<ExitStatus> {
     let mut here = Vec::new();
     if let Some(run) = run {
         let artifacts = artifacts_of_a_run(run)?.iter().map(|path| open(path)).collect::<Result<Vec<_>, _>>()?;
-        if let Some(fault) = faults_together(&artifacts, true).into_iter().next() {
+        if let Some(fault) = faults_together(&artifacts, Some(run)).into_iter().next() {
             let hint = format!("{} makes the run again", program("run"));
             return Err(Refused::new(fault).expected("the artifacts of one run").hint(hint).into());
         }

@@ -247,6 +247,24 @@ fn solutions_and_answers() {
 }
 
 #[test]
+fn a_run_that_lacks_a_result_is_not_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let crumple = |words: &[&str]| {
+        let ended = Command::new(binary("crumple")).args(words).current_dir(folder.path()).output().unwrap();
+        (ended.status.code(), String::from_utf8_lossy(&ended.stderr).into_owned())
+    };
+    let record = workspace().join("fixtures/kelvin/crash.csv");
+    let models = "parameter-solve.models=kelvin";
+    assert_eq!(crumple(&["run", record.to_str().unwrap(), "-q", "--set", models, "-o", "o"]).0, Some(0));
+    assert_eq!(crumple(&["check", "o"]), (Some(0), String::new()));
+    for name in ["summary.json", "7-predict.mcap", "6-simulate.mcap"] {
+        std::fs::remove_file(folder.path().join("o").join(name)).unwrap();
+        let (code, said) = crumple(&["check", "o"]);
+        assert!(code == Some(3) && said.contains(name), "{name}: {code:?} {said}");
+    }
+}
+
+#[test]
 fn what_a_recommended_candidate_may_miss_is_that_of_the_choice() {
     let limit = crumple_lumped_fit::SelectionRules::default().crush_limit_percent;
     assert!((100.0 * crumple_stage::joints::candidates::ADEQUATE - limit).abs() < 1e-12);
