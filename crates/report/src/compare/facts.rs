@@ -8,7 +8,7 @@ use crumple_diff::{CompareSettings, Difference, Limit, compare_with_limits};
 use serde_json::{Map, Value, json};
 
 use crate::drawing::numbers::{ABSENT, KM_PER_H_PER_M_PER_S};
-use crate::findings::{CandidateSummary, Summary};
+use crate::findings::{CandidateSummary, MetricSummary, Summary};
 use crate::phrases::words;
 
 use super::expected::{Expected, in_short, named};
@@ -25,16 +25,19 @@ pub struct Fact {
 }
 
 /// Names of fields that are sentences, steps of a solver, or follow from others: nobody decides by them.
-const ASIDE: [&str; 27] = [
+const ASIDE: [&str; 30] = [
     "absent_because",
+    "at_s",
     "bootstrap",
     "candidate",
     "condition",
     "correlation",
+    "definition_id",
     "effective_samples",
     "energy_closure",
     "evaluations",
     "interval_by",
+    "interval_source",
     "iterations",
     "language",
     "modal_amplitude_coherence",
@@ -59,7 +62,7 @@ const ASIDE: [&str; 27] = [
 /// compared.
 pub fn facts([a, b]: [&Expected; 2], rows: &[&Quantity], settings: &CompareSettings) -> Vec<Fact> {
     let is_earlier = a.is_earlier() || b.is_earlier();
-    let [before, after] = [(a, b), (b, a)].map(|(own, other)| decided_by(own, &other.summary, is_earlier));
+    let [before, after] = [[a, b], [b, a]].map(|sides| decided_by(sides, is_earlier));
     let (report, limits) = compare_with_limits("summary.json", &before, &after, settings);
     let is_within = |difference: &Difference| {
         let width = width_of_interval(&before, &difference.place).filter(|_| allows_intervals(settings));
@@ -81,15 +84,61 @@ pub fn facts([a, b]: [&Expected; 2], rows: &[&Quantity], settings: &CompareSetti
         let place = difference.place.as_str();
         !is_row(place) && !place.contains(".standard_deviation") && !is_said(place) && !is_within(difference)
     };
-    let of_walk = report.differences.iter().filter(counts).map(|difference| Fact {
-        key: difference.place.clone(),
-        values: [&difference.a, &difference.b].map(|value| shown(value.as_ref())),
+    let of_walk = report.differences.iter().filter(counts).flat_map(|difference| {
+        emptied(&before, &after, &difference.place).unwrap_or_else(|| {
+            let values = [&difference.a, &difference.b].map(|value| shown(value.as_ref()));
+            vec![Fact { key: difference.place.clone(), values }]
+        })
     });
     let of_rows = rows.iter().filter(|row| row.interval_differs(1)).map(|row| Fact {
         key: format!("interval of {}", row.name),
         values: [0, 1].map(|run| row.interval(run).unwrap_or_else(|| ABSENT.to_owned())),
     });
-    of_rows.chain(of_walk).collect()
+    let mut all: Vec<Fact> = of_rows.chain(of_walk).collect();
+    all.sort_by_key(|fact| rank(&fact.key, [a, b]));
+    all
+}
+
+/// Parts of a summary, those that people look at first in front.
+const PARTS: [&str; 13] = [
+    "verdict",
+    "test",
+    "contact",
+    "interval of ",
+    "key_numbers",
+    "simplest",
+    "closest",
+    "predictions",
+    "concerns",
+    "remarks",
+    "events",
+    "impacts",
+    "metrics",
+];
+
+/// Place of a fact in the table: the named candidates behind what they follow from, all other candidates last.
+fn rank(key: &str, sides: [&Expected; 2]) -> usize {
+    let is_named = |id: &str| sides.iter().any(|side| named(&side.summary).any(|(_, own)| own == id));
+    if let Some(candidate) = key.strip_prefix("candidates[") {
+        let id = candidate.split(']').next().unwrap_or_default();
+        return PARTS.len() + if is_named(id) { 0 } else { 2 };
+    }
+    PARTS.iter().position(|part| key.starts_with(part)).unwrap_or(PARTS.len() + 1)
+}
+
+/// The elements of a list that is empty on one side, in place of its length; `None`: the place is no such list.
+fn emptied(before: &Value, after: &Value, place: &str) -> Option<Vec<Fact>> {
+    let list = place.strip_suffix(" length")?;
+    let sides = [before, after].map(|run| run[list].as_array().map_or(&[][..], Vec::as_slice));
+    let is_empty = sides.iter().any(|side| side.is_empty());
+    let name = |one: &Value| Some(format!("{list}[{}]", one["id"].as_str()?));
+    let fact = |side: usize, one: &Value| {
+        let mut values = [ABSENT.to_owned(), ABSENT.to_owned()];
+        values[side] = shown(Some(one));
+        Some(Fact { key: name(one)?, values })
+    };
+    let facts = (0..2).flat_map(|side| sides[side].iter().map(move |one| fact(side, one)));
+    facts.collect::<Option<Vec<Fact>>>().filter(|_| is_empty)
 }
 
 /// Whether a place in the events is the value or the interval of a key number; events have the unit in their names.
@@ -100,8 +149,9 @@ fn is_event(place: &str, key_number: &str) -> bool {
 
 /// What of a run is walked: the fields of its summary, each list by what its elements are of. What the rows of numbers
 /// hold is left out; of candidates that not both runs name little is compared.
-fn decided_by(kept: &Expected, other: &Summary, is_earlier: bool) -> Value {
-    let run = &kept.summary;
+fn decided_by([kept, other]: [&Expected; 2], is_earlier: bool) -> Value {
+    let (run, with_artifacts) = (&kept.summary, !kept.stages.is_empty() && !other.stages.is_empty());
+    let other = &other.summary;
     let of_both = |id: &str| named(run).any(|(_, own)| own == id) && named(other).any(|(_, own)| own == id);
     let is_row = |name: &str| run.key_numbers.iter().any(|number| number.name == name);
     let candidate = |one: &CandidateSummary| match of_both(&one.id) {
@@ -118,17 +168,20 @@ fn decided_by(kept: &Expected, other: &Summary, is_earlier: bool) -> Value {
         "predictions": predictions(run, is_earlier),
     });
     if !is_earlier && let Some(walked) = walked.as_object_mut() {
-        let metrics: BTreeMap<_, _> = run.metrics.iter().filter(|(name, _)| !is_row(name)).collect();
+        let metrics = run.metrics.iter().filter(|(name, _)| !is_row(name));
+        let figures =
+            |one: &MetricSummary| json!({"value": one.value, "unit": one.unit, "low": one.low, "high": one.high});
+        let metrics: BTreeMap<_, _> = metrics.map(|(name, one)| (name, figures(one))).collect();
         let others: Vec<Value> = run
             .other_metrics
             .iter()
-            .map(|one| with_id(json!(one), format!("{} of {}", one.name, one.channel)))
+            .map(|one| with_id(figures(&one.metric), format!("{} of {}", one.name, one.channel)))
             .collect();
         walked.extend([
             ("verdict".to_owned(), verdict(run)),
             ("simplest".to_owned(), json!(run.simplest)),
             ("closest".to_owned(), json!(run.closest)),
-            ("contact".to_owned(), json!(kept.contact)),
+            ("contact".to_owned(), json!(kept.contact.as_ref().filter(|_| with_artifacts))),
             ("events".to_owned(), json!(run.events.clone().map(|events| EventsV1 { impacts: Vec::new(), ..events }))),
             ("impacts".to_owned(), json!(run.impacts)),
             ("metrics".to_owned(), json!(metrics)),
@@ -179,52 +232,68 @@ fn remarks(run: &Summary) -> Value {
     json!(all)
 }
 
+/// A prediction is of the mass of the test where both differ by no more than an engineer calls the same.
+const EQUAL_MASS: f64 = 5e-3;
+
 /// The predictions by what was asked, without the numbers of the rows.
 fn predictions(run: &Summary, is_earlier: bool) -> Value {
     let of_best = |id: &str| run.recommended.as_deref() == Some(id);
     // Earlier versions kept those of the recommended candidate alone.
-    let kept = scenarios(run).into_iter().filter(|(_, made)| !is_earlier || of_best(&made.candidate));
-    let one = |(id, made): (String, &PredictionV1)| {
-        let mut value = json!(made);
-        if of_best(&made.candidate) {
+    let kept = scenarios(run).into_iter().filter(|one| !is_earlier || of_best(&one.made.candidate));
+    let is_of_test = |mass_kg: f64| run.test.mass_kg.is_some_and(|own| (mass_kg - own).abs() <= EQUAL_MASS * own);
+    let one = |scenario: Scenario<'_>| {
+        let mut value = json!(scenario.made);
+        if of_best(&scenario.made.candidate) {
             for (_, field, _) in PREDICTED {
                 value[field] = Value::Null;
             }
             value["intervals"] = Value::Null;
         }
-        if run.test.mass_kg == Some(made.mass_kg) {
+        if is_of_test(scenario.made.mass_kg) {
             value["mass_kg"] = Value::Null;
         }
-        with_id(value, id)
+        with_id(value, scenario.id())
     };
     Value::from(kept.map(one).collect::<Vec<_>>())
 }
 
-/// The predictions of a run, each called by what the choice names its candidate and by what was asked:
-/// `recommended at 40.0 km/h`.
-pub fn scenarios(run: &Summary) -> Vec<(String, &PredictionV1)> {
-    let mut seen: BTreeMap<String, usize> = BTreeMap::new();
-    let one = |made| {
-        let id = format!("{} at {}", role(run, made), asked(run, made));
-        let count = seen.entry(id.clone()).or_default();
+/// A prediction of a run, called by what the choice names its candidate and by what was asked.
+pub struct Scenario<'a> {
+    /// `recommended`, or the candidate where it has no name.
+    role: &'a str,
+    /// `40.0 km/h`, `40.0 km/h against small car`.
+    pub asked: String,
+    /// The prediction.
+    pub made: &'a PredictionV1,
+}
+
+impl Scenario<'_> {
+    /// The same in every run: `recommended at 40.0 km/h`.
+    pub fn id(&self) -> String {
+        format!("{} at {}", self.role, self.asked)
+    }
+}
+
+/// The predictions of a run. Those of one speed and one partner are counted: their masses differ.
+pub fn scenarios(run: &Summary) -> Vec<Scenario<'_>> {
+    let mut seen: BTreeMap<(&str, String), usize> = BTreeMap::new();
+    let mut all = Vec::new();
+    for made in &run.predictions {
+        let role = named(run).find(|(_, id)| **id == made.candidate).map_or(made.candidate.as_str(), |(name, _)| name);
+        let asked = asked(made);
+        let count = seen.entry((role, asked.clone())).or_default();
         *count += 1;
-        (if *count == 1 { id } else { format!("{id}, number {count}") }, made)
-    };
-    run.predictions.iter().map(one).collect()
+        let asked = if *count == 1 { asked } else { format!("{asked}, number {count}") };
+        all.push(Scenario { role, asked, made });
+    }
+    all
 }
 
-fn role<'a>(run: &'a Summary, made: &'a PredictionV1) -> &'a str {
-    named(run).find(|(_, id)| **id == made.candidate).map_or(made.candidate.as_str(), |(name, _)| name)
-}
-
-/// What was asked: `40.0 km/h`, `40.0 km/h against small car, 1200 kg`.
-pub fn asked(run: &Summary, made: &PredictionV1) -> String {
+fn asked(made: &PredictionV1) -> String {
     let speed = words::quantity(KM_PER_H_PER_M_PER_S * made.impact_speed_m_per_s, 1, "km/h").replace('\u{a0}', " ");
     let partner = made.partner.as_ref().map(|partner| format!(" against {partner}"));
-    let mass =
-        (run.test.mass_kg != Some(made.mass_kg)).then(|| format!(", {} kg", words::significant(made.mass_kg, 5)));
     let occupant = made.occupant.as_ref().map(|_| ", with an occupant".to_owned());
-    [Some(speed), partner, mass, occupant].into_iter().flatten().collect()
+    [Some(speed), partner, occupant].into_iter().flatten().collect()
 }
 
 fn with_id(mut value: Value, id: String) -> Value {

@@ -14,7 +14,7 @@ use crate::findings::{CandidateSummary, Summary, parameter, parameter_order};
 use crate::phrases::PHRASES;
 use crate::phrases::words::{self, fill};
 
-use super::facts::{asked, scenarios};
+use super::facts::{Scenario, scenarios};
 
 /// What a quantity is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -336,21 +336,20 @@ pub const PREDICTED: [Predicted; 6] = [
 ];
 
 /// What the recommended models say of the impacts that more than one run was predicted at.
-fn predictions(runs: &[&Summary], settings: &CompareSettings) -> Vec<Quantity> {
-    let of_best = |run: &Summary, made: &PredictionV1| run.recommended.as_ref() == Some(&made.candidate);
-    let made_of = |run: &Summary| -> Vec<(String, PredictionV1)> {
-        let mut made: Vec<_> = scenarios(run).into_iter().filter(|(_, made)| of_best(run, made)).collect();
-        made.sort_by(|(_, a), (_, b)| a.impact_speed_m_per_s.total_cmp(&b.impact_speed_m_per_s));
-        made.into_iter().map(|(id, made)| (id, made.clone())).collect()
+fn predictions<'a>(runs: &[&'a Summary], settings: &CompareSettings) -> Vec<Quantity> {
+    let made_of = |run: &'a Summary| -> Vec<Scenario<'a>> {
+        let all = scenarios(run).into_iter();
+        let mut of_best: Vec<_> = all.filter(|one| run.recommended.as_ref() == Some(&one.made.candidate)).collect();
+        of_best.sort_by(|a, b| a.made.impact_speed_m_per_s.total_cmp(&b.made.impact_speed_m_per_s));
+        of_best
     };
-    let predicted: Vec<Vec<(String, PredictionV1)>> = runs.iter().map(|run| made_of(run)).collect();
-    let of_run = |run: usize, id: &str| predicted[run].iter().find(|(own, _)| own == id).map(|(_, made)| made);
-    let ids = in_order(predicted.iter().map(|of_run| of_run.iter().map(|(id, _)| id.as_str()).collect()));
-    let shared = ids.into_iter().filter(|id| (0..runs.len()).filter(|k| of_run(*k, id).is_some()).count() > 1);
-    let rows = shared.flat_map(|id| {
-        let of_runs: Vec<Option<&PredictionV1>> = (0..runs.len()).map(|k| of_run(k, id)).collect();
-        let at = of_runs.iter().zip(runs).find_map(|(made, run)| Some(asked(run, (*made)?))).unwrap_or_default();
-        PREDICTED.iter().map(move |one| predicted_row(one, &at, &of_runs, settings)).collect::<Vec<_>>()
+    let predicted: Vec<Vec<Scenario<'_>>> = runs.iter().map(|run| made_of(run)).collect();
+    let of_run = |run: usize, asked: &str| predicted[run].iter().find(|one| one.asked == asked).map(|one| one.made);
+    let all = in_order(predicted.iter().map(|of_run| of_run.iter().map(|one| one.asked.as_str()).collect()));
+    let is_shared = |asked: &&str| (0..runs.len()).filter(|k| of_run(*k, asked).is_some()).count() > 1;
+    let rows = all.into_iter().filter(is_shared).flat_map(|asked| {
+        let of_runs: Vec<Option<&PredictionV1>> = (0..runs.len()).map(|k| of_run(k, asked)).collect();
+        PREDICTED.iter().map(move |one| predicted_row(one, asked, &of_runs, settings)).collect::<Vec<_>>()
     });
     rows.filter(|row| row.values.iter().any(Option::is_some)).collect()
 }

@@ -55,7 +55,9 @@ impl Review {
         let with_interval = rows.iter().filter(|row| row.group != Group::Parameter || is_one_model);
         let facts = facts([a, b], &with_interval.collect::<Vec<_>>(), settings);
         rows.retain(|row| row.group == Group::KeyNumber || row.differs(1));
+        let detail = |row: &Quantity| row.group == Group::PredictedDetail;
         rows.sort_by(|x, y| y.differs(1).cmp(&x.differs(1)).then(y.beyond(1).total_cmp(&x.beyond(1))));
+        rows.sort_by_key(|row| (!row.differs(1), detail(row)));
         let model = |side: &Expected| side.summary.recommended.as_deref().map(candidate_name);
         let models = [model(a), model(b)];
         if models[0] != models[1] {
@@ -99,8 +101,11 @@ impl Review {
         !gone.is_empty() || !new.is_empty() || (self.is_strict[0] && !differing.is_empty())
     }
 
-    /// Which artifacts differ, in one line; `None`: none does.
+    /// Which artifacts differ, in one line; `None`: none does, or only as the numbers of the table say anyway.
     pub fn artifacts_line(&self) -> Option<String> {
+        if self.differing().next().is_some() && !self.artifacts_count() {
+            return None;
+        }
         let ArtifactChanges { gone, new, differing } = &self.artifacts;
         let of = |what: &str, stages: &[String]| (!stages.is_empty()).then(|| format!("{what}: {}", stages.join(", ")));
         let parts = [of("only before", gone), of("only after", new), of("other content", differing)];

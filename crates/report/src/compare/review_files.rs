@@ -31,16 +31,18 @@ pub fn to_markdown(compared: &[Compared], again: &str, accept: &str) -> String {
     text.push_str(&without_review(compared));
     let mut left = Vec::new();
     let (same, others): (Vec<&Compared>, Vec<&Compared>) = compared.iter().partition(|one| one.is_same());
-    for (review, comparison) in others.into_iter().filter_map(Compared::review) {
+    for one in others {
+        let Some((review, comparison)) = one.review() else { continue };
         let sections = [true, false].map(|with_details| section(review, comparison, with_details));
         let section = sections.into_iter().find(|text| text.len() <= MOST_OF_ONE);
-        match section.filter(|section| text.len() + section.len() < MOST) {
+        // What comes behind is no longer than one section.
+        match section.filter(|section| text.len() + section.len() < MOST - MOST_OF_ONE) {
             Some(section) => text.push_str(&section),
-            None => left.push(review.name.as_str()),
+            None => left.push(one),
         }
     }
     if !left.is_empty() {
-        text.push_str(&format!("Too long for a comment: {}. The report has them.\n\n", markdown(&left.join(", "))));
+        text.push_str(&format!("Too long for a comment: {}. The report has them.\n\n", listed(&left)));
     }
     if !same.is_empty() {
         text.push_str(&format!("The same within the limits: {}.\n\n", listed(&same)));
@@ -283,8 +285,8 @@ fn cases_of(review: &Review, comparison: &Comparison) -> Vec<Case> {
     if before != after {
         cases.push(("models", "recommended model".to_owned(), differs(Some(review.model()))));
     }
-    if let Some(problem) = review.artifacts_line() {
-        cases.push(("artifacts", "artifacts".to_owned(), differs(Some(problem).filter(|_| review.artifacts_count()))));
+    if let Some(problem) = review.artifacts_line().filter(|_| review.artifacts_count()) {
+        cases.push(("artifacts", "artifacts".to_owned(), differs(Some(problem))));
     }
     for file in &comparison.files {
         let apart = file.topics.iter().filter(|topic| !topic.same).count();
@@ -298,6 +300,9 @@ fn cases_of(review: &Review, comparison: &Comparison) -> Vec<Case> {
     }
     cases
 }
+
+/// Most changes that an annotation names.
+const OF_ANNOTATION: usize = 20;
 
 /// Annotations of GitHub: one line a comparison that differs, at the line of its cause where that is known.
 pub fn to_github(compared: &[Compared]) -> String {
@@ -315,7 +320,10 @@ pub fn to_github(compared: &[Compared]) -> String {
         let of_rows = review.differing().map(|row| format!("{} {} -> {}", row.name, row.shown(0), row.shown(1)));
         let of_facts = review.facts.iter().map(|fact| format!("{} {}", fact.key, fact.values.join(" -> ")));
         let said: Vec<String> = of_rows.chain(of_facts).collect();
-        let said = if said.is_empty() { review.model() } else { said.join("; ") };
+        let more = said.len().saturating_sub(OF_ANNOTATION);
+        let more = if more > 0 { format!("; and {more} more") } else { String::new() };
+        let said =
+            if said.is_empty() { review.model() } else { said[..said.len().min(OF_ANNOTATION)].join("; ") + &more };
         let title = property(&format!("{}: results changed", review.name));
         text.push_str(&format!("::error {place}title={title}::{}\n", data(&format!("{}. {said}", review.cause()))));
     }
@@ -470,7 +478,19 @@ mod tests {
         assert_eq!((junit.matches("<error ").count(), junit.matches("<failure ").count()), (2, 1), "{junit}");
         assert!(junit.contains("type=\"refused\"") && junit.contains("tests=\"1\" failures=\"0\" errors=\"1\""));
         let text = to_markdown(&compared, "crumple diff expected runs", "crumple accept runs");
-        insta::assert_snapshot!(text.replace('\u{200b}', ""), @"");
+        insta::assert_snapshot!(text.replace('\u{200b}', ""), @r"
+        <!-- crumple: a, b, c, d -->
+        ### 3 of 4 records not compared
+
+        - **b**: refused: why \@here
+        - **c**: missing: why \@here
+        - **d**: never accepted: runs/d/default is not in expected
+
+        The same within the limits: a.
+
+        To take the results of all records: `crumple accept runs`, and commit what it writes.
+        To compare again, after new runs: `crumple diff expected runs`.
+        ");
         assert_eq!(to_github(&compared).lines().count(), 3);
         let json = to_json(&compared, false);
         let words: Vec<&str> = (0..4).map(|k| json["summary"][k]["status"].as_str().unwrap()).collect();

@@ -130,6 +130,9 @@ impl Args {
 
 /// Every failure is of the same exit code.
 pub fn trouble(error: anyhow::Error) -> anyhow::Error {
+    if error.is::<Usage>() {
+        return error;
+    }
     // An error that tells its cause in its own words does not tell it twice.
     let mut text = error.to_string();
     for cause in error.chain().skip(1).map(ToString::to_string) {

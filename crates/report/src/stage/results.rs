@@ -89,7 +89,8 @@ fn options_of(pipeline: &Pipeline) -> BTreeMap<String, Value> {
         }
         Some((stage.to_owned(), options))
     };
-    chain().filter_map(|stage| of_stage(stage.name)).collect()
+    // The report says what is there, and changes none of it.
+    chain().filter(|stage| stage.name != "report").filter_map(|stage| of_stage(stage.name)).collect()
 }
 
 /// File and line that state what a run was made with: the project's pipeline of the run's name where this says what the
@@ -174,7 +175,7 @@ pub fn pairs(a: &Path, b: &Path) -> anyhow::Result<Vec<Pair>> {
     let left = runs_below(&[a.to_owned()])?;
     let right = runs_below(&[b.to_owned()]).or_else(|error| match error.downcast_ref() {
         // Every record is missing: each is told.
-        Some(DiffError::NotARun { .. }) => Ok(Vec::new()),
+        Some(DiffError::NotARun { .. }) if !is_one(a) => Ok(Vec::new()),
         _ => Err(error),
     })?;
     let with_accepted = left.iter().chain(&right).any(|run| run.is_kept);
