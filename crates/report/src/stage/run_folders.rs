@@ -102,7 +102,7 @@ fn refuse_two_of_a_name(found: &[FoundRun]) -> Result<(), Usage> {
     found.iter().for_each(|run| *counts.entry(&run.name).or_default() += 1);
     let more = match counts.values().filter(|count| **count > 1).count() - 1 {
         0 => String::new(),
-        more => format!("; {more} more records have two folders"),
+        more => format!("; {more} more with two folders"),
     };
     let problem = format!("{a} and {b} are both the record {}{more}", pair[0].name);
     Err(Usage::new(problem).hint("name the folder of one of them; a fleet has its runs in runs/fleet/NAME/runs"))
