@@ -45,8 +45,8 @@ impl DividedNumber {
 }
 
 impl Divided {
-    /// As lines of a terminal: a row a number, a column a cause.
-    pub fn lines(&self) -> Vec<String> {
+    /// As lines of a terminal, at most `most` numbers: a row a number, a column a cause.
+    pub fn lines(&self, most: usize) -> Vec<String> {
         if self.causes.is_empty() {
             return vec!["why: no option, record or program differs".to_owned()];
         }
@@ -55,7 +55,8 @@ impl Divided {
         let mut lines = vec![format!("why: {causes}, by {runs}")];
         let heads = ["", "before", "after", "change"].map(str::to_owned).into_iter();
         let heads: Vec<String> = heads.chain(self.causes.iter().cloned()).collect();
-        let table: Vec<&Vec<String>> = std::iter::once(&heads).chain(self.numbers.iter().map(|n| &n.shown)).collect();
+        let table: Vec<&Vec<String>> =
+            std::iter::once(&heads).chain(self.numbers.iter().take(most).map(|n| &n.shown)).collect();
         let width = |k: usize| table.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);
         let widths: Vec<usize> = (0..heads.len()).map(width).collect();
         if self.numbers.is_empty() {
@@ -65,6 +66,10 @@ impl Divided {
                 let cells = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:<width$}"));
                 cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
             }));
+        }
+        let left = self.numbers.len().saturating_sub(most);
+        if left > 0 {
+            lines.push(format!("and {left} more: --all"));
         }
         if !self.undivided.is_empty() {
             let names = self.undivided.join(", ");

@@ -25,6 +25,8 @@ use crate::compare::why::Divided;
 
 /// Lines on a terminal, but for `--all`.
 const LINES: usize = 25;
+/// Numbers whose change is divided, likewise: the key numbers, and what follows.
+const DIVIDED: usize = 12;
 
 /// Compares two results: first what they were made with that differs, then the numbers that people ask for, then the
 /// rest.
@@ -214,7 +216,8 @@ fn run(args: &Args, why: Option<Why>) -> anyhow::Result<ExitStatus> {
     let mut text = if args.github { to_github(&compared) } else { String::new() };
     if says {
         let mut said = lines(&compared, args.all)?;
-        said.extend(divided.iter().flat_map(Divided::lines));
+        let most = if args.all { usize::MAX } else { DIVIDED };
+        said.extend(divided.iter().flat_map(|divided| divided.lines(most)));
         text += &said.join("\n");
         text.push('\n');
     }

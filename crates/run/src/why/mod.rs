@@ -9,7 +9,7 @@ use std::sync::Mutex;
 use std::thread;
 
 use anyhow::Context;
-use crumple_report::{Divided, DividedNumber, Summary, engineering, quantities};
+use crumple_report::{Divided, DividedNumber, Quantity, Summary, engineering, quantities};
 use crumple_stage::{Artifact, ExitStatus, Pipeline, Refused, Usage, chain, variable_of};
 
 use crate::program::own_command;
@@ -37,7 +37,9 @@ pub fn why(before: &Path, after: &Path) -> anyhow::Result<Divided> {
     let without = Summary::default();
     let summaries: Vec<&Summary> = made.iter().map(|made| made.as_ref().unwrap_or(&without)).collect();
     let mut divided = Divided { causes: causes.names().collect(), runs: made.len() - 2, ..Divided::default() };
-    for row in quantities(&summaries, &engineering()).iter().filter(|row| row.differs(last)) {
+    // A number that one of both does not have has no change.
+    let has_both = |row: &&Quantity| row.values[0].is_some() && row.values[last].is_some();
+    for row in quantities(&summaries, &engineering()).iter().filter(has_both).filter(|row| row.differs(last)) {
         let values: Option<Vec<f64>> = row.values.iter().map(|own| Some(own.as_ref()?.value)).collect();
         match values {
             Some(values) => {
