@@ -17,8 +17,9 @@ mod stage;
 pub use compare::compared_run::ComparedRun;
 pub use compare::document::RunComparison;
 pub use compare::first_screen::first_screen;
-pub use compare::quantities::{Quantity, engineering, quantities};
+pub use compare::quantities::{Group, Quantity, quantities};
 pub use compare::why::{Divided, DividedNumber};
+pub use crumple_diff::CompareSettings;
 pub use figures::all::all_figures;
 pub use findings::{
     CandidateResult, CandidateSummary, Conclusion, Element, IdentifiabilityCounts, JointTests, Kind, LeftOut,

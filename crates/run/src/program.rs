@@ -126,7 +126,7 @@ enum Named {
 impl Program {
     /// The files that its command names, with their digests: the program, and a script or settings that it is given.
     pub(crate) fn files(&self) -> impl Iterator<Item = (String, String)> {
-        let name = self.file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let name = self.typed.parse::<Words>().ok().and_then(|words| words.first().cloned()).unwrap_or_default();
         let named = self.flags.iter().map(|word| (word.clone(), PathBuf::from(word)));
         let all = std::iter::once((name, self.file.clone())).chain(named).filter(|(_, path)| path.is_file());
         all.filter_map(|(name, path)| Some((name, digest_of(&path)?)))
@@ -232,7 +232,7 @@ pub(crate) fn own_command(name: &str) -> process::Command {
 }
 
 /// A program is where a shell would look.
-fn find(word: &str) -> Option<PathBuf> {
+pub(crate) fn find(word: &str) -> Option<PathBuf> {
     if word.contains(is_separator) {
         return Some(PathBuf::from(word)).filter(|path| is_program(path));
     }

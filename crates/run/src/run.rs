@@ -30,10 +30,7 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
         options.flags.0.push(limit);
     }
     options.take_own()?;
-    if options.again.is_none() && options.record.first().is_none_or(|r| r.as_encoded_bytes().starts_with(b"-")) {
-        let form = by_way("just run RECORD [flags of crumple-ingest]", "crumple run RECORD [flags of crumple ingest]");
-        return Err(Usage::new(format!("the record comes first: {form}")).into());
-    }
+    refuse_no_record(&options)?;
     if options.asks_for_information() {
         return information(&options);
     }
@@ -127,8 +124,19 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
     Ok(status)
 }
 
+/// Errors: no record stands in front of the flags.
+fn refuse_no_record(options: &Options) -> Result<(), Usage> {
+    if options.again.is_none() && options.record.first().is_none_or(|r| r.as_encoded_bytes().starts_with(b"-")) {
+        let form = by_way("just run RECORD [flags of crumple-ingest]", "crumple run RECORD [flags of crumple ingest]");
+        return Err(Usage::new(format!("the record comes first: {form}")));
+    }
+    Ok(())
+}
+
 /// Notes in the folder of a run that its next one had no pipeline to run: the results are those of the one before.
 fn note_usage_error(options: &Options, path: &Path) {
+    let has_run = matches!(pipeline_before(path), Ok(Some(_)));
+    let Some(_lock) = has_run.then(|| LockedFolder::lock(path, true).ok()).flatten() else { return };
     let Ok(Some(mut noted)) = pipeline_before(path) else { return };
     if options.again.is_none() {
         noted.note_end(crumple_stage::Pipeline::FAILED, ExitStatus::Usage as u8);

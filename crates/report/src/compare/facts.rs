@@ -128,7 +128,7 @@ fn rank(key: &str, sides: [&Expected; 2]) -> usize {
 
 /// The elements of a list that is empty on one side, in place of its length; `None`: the place is no such list.
 fn emptied(before: &Value, after: &Value, place: &str) -> Option<Vec<Fact>> {
-    let list = place.strip_suffix(" length")?;
+    let list = place.strip_suffix(" length").filter(|list| before[*list].is_array() || after[*list].is_array())?;
     let sides = [before, after].map(|run| run[list].as_array().map_or(&[][..], Vec::as_slice));
     let is_empty = sides.iter().any(|side| side.is_empty());
     let name = |one: &Value| Some(format!("{list}[{}]", one["id"].as_str()?));

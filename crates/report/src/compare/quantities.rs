@@ -88,13 +88,15 @@ fn interval_share(settings: &CompareSettings) -> f64 {
 
 impl Quantity {
     /// The distance of a run's number from that of the first run over the limit; above 1 it differs. Infinite where one
-    /// of both has none.
+    /// of both has none; 0 where such numbers are not compared.
     pub fn beyond(&self, run: usize) -> f64 {
         match (&self.values[0], &self.values[run]) {
             (Some(first), Some(own)) => {
                 let distance = (own.value - first.value).abs();
-                let allowed = own.limit.map_or(0.0, |limit| limit.allowed());
-                if distance == 0.0 { 0.0 } else { distance / allowed }
+                match own.limit {
+                    Some(limit) if distance > 0.0 => distance / limit.allowed(),
+                    _ => 0.0,
+                }
             }
             (None, None) => 0.0,
             _ => f64::INFINITY,
@@ -112,11 +114,9 @@ impl Quantity {
         let (Some(before), Some(after)) = (first.interval, own.interval) else {
             return first.interval.is_some() != own.interval.is_some();
         };
+        let Some(Limit { tolerance, .. }) = own.limit.filter(|_| own.interval_share.is_finite()) else { return false };
         let width = before[0].zip(before[1]).map_or(0.0, |(low, high)| high - low);
-        let allowed = |end: f64| match own.limit {
-            Some(Limit { tolerance, .. }) => tolerance.abs + tolerance.rel * end.abs(),
-            None => 0.0,
-        };
+        let allowed = |end: f64| tolerance.abs + tolerance.rel * end.abs();
         before.into_iter().zip(after).any(|ends| match ends {
             (Some(x), Some(y)) => (x - y).abs() > allowed(x.abs().max(y.abs())).max(own.interval_share * width),
             (x, y) => x.is_some() != y.is_some(),

@@ -105,7 +105,7 @@ fn section(review: &Review, comparison: &Comparison, with_details: bool) -> Stri
             let [from, to] = [&cause.from, &cause.to].map(|value| markdown(value));
             format!("Cause: `{}` {from} → {to}{}", cause.name.replace('`', "'"), place.unwrap_or_default())
         }
-        None => markdown(&review.cause().replacen('n', "N", 1)),
+        None => sentence(&review.cause()),
     };
     let more = match (review.causes.len(), review.unexplained.is_empty()) {
         (0, _) => "",
@@ -125,16 +125,12 @@ fn section(review: &Review, comparison: &Comparison, with_details: bool) -> Stri
     if !others.is_empty() {
         text.push_str(&format!(" Within the limits: {}.", others.join(", ")));
     }
-    let counted = review.counted().replacen('b', "B", 1);
+    let counted = sentence(&review.counted());
     let notes = [in_files(review, comparison), review.artifacts_line(), review.not_compared().map(str::to_owned)];
     let notes = notes.into_iter().flatten().map(|note| format!("{}.\n", sentence(&note)));
     let bold = if before == after { "" } else { "**" };
     let model = arrows(&review.model());
-    text.push_str(&format!(
-        "\n{}.\n{}{bold}Recommended model: {model}.{bold}\n\n",
-        markdown(&counted),
-        notes.collect::<String>()
-    ));
+    text.push_str(&format!("\n{}.\n{}{bold}Recommended model: {model}.{bold}\n\n", counted, notes.collect::<String>()));
     let rows: Vec<String> = loud.iter().map(|row| table_row(row)).collect();
     let facts: Vec<String> = review.facts.iter().map(fact_row).collect();
     let quiet: Vec<String> = quiet.iter().map(|row| table_row(row)).collect();

@@ -10,8 +10,8 @@ use crumple_diff::{
     write_text,
 };
 use crumple_stage::{
-    Call, ExitStatus, Program, Usage, keep_budget, printable, program, refuse_to_overwrite, results_of_an_earlier_run,
-    run_tool, say, to_stdout,
+    Call, ExitStatus, Pipeline, Program, Usage, keep_budget, printable, program, refuse_to_overwrite,
+    results_of_an_earlier_run, run_tool, say, to_stdout,
 };
 
 use super::compare::write;
@@ -102,7 +102,7 @@ struct Args {
 pub const DIFF: Program = Program::of_tool::<Args>("diff", |call| diff(call, None));
 
 /// Divides the change between two run folders among its causes.
-pub type Why = fn(&Path, &Path) -> anyhow::Result<Divided>;
+pub type Why = fn(&Path, &Path, &CompareSettings) -> anyhow::Result<Divided>;
 
 /// The program, with what can run the chain again.
 pub fn diff(call: &Call, why: Option<Why>) -> ExitStatus {
@@ -179,6 +179,11 @@ fn run(args: &Args, why: Option<Why>) -> anyhow::Result<ExitStatus> {
         let problem = "--why runs the chain, which this program alone cannot";
         return Err(Usage::new(problem).hint("crumple diff A B --why").into());
     }
+    let is_run = |folder: &&PathBuf| folder.join(Pipeline::OF_A_RUN).is_file();
+    if let Some(other) = [&args.a, &args.b].into_iter().find(|folder| args.why && !is_run(folder)) {
+        let problem = format!("{} is no run folder, so its change cannot be divided", other.display());
+        return Err(Usage::new(problem).hint("two folders that crumple run made: runs/RECORD/PIPELINE").into());
+    }
     let results = [args.a.clone(), args.b.clone()];
     let outputs = [
         (args.markdown.as_ref(), OutputKind::Markdown),
@@ -209,8 +214,14 @@ fn run(args: &Args, why: Option<Why>) -> anyhow::Result<ExitStatus> {
         settings.tolerances.refuse_unmatched(topics.iter().map(String::as_str))?;
     }
     let is_same = compared.iter().all(Compared::is_same);
-    let why = why.filter(|_| args.why && !is_same);
-    let divided = why.map(|why| why(&args.a, &args.b)).transpose()?;
+    let has_trouble = compared.iter().any(|one| one.trouble().is_some());
+    let why = why.filter(|_| args.why && !is_same && !has_trouble);
+    // What was compared is said and written whether its change can be divided or not.
+    let divided = why.map(|why| why(&args.a, &args.b, &settings));
+    let (divided, undivided) = match divided {
+        Some(Err(error)) => (None, Some(error)),
+        other => (other.transpose()?, None),
+    };
     write_files(args, &compared, divided.as_ref())?;
     let says = !args.quiet && args.json.as_deref().is_none_or(|path| path != Path::new("-"));
     let mut text = if args.github { to_github(&compared) } else { String::new() };
@@ -228,8 +239,11 @@ fn run(args: &Args, why: Option<Why>) -> anyhow::Result<ExitStatus> {
             say(format_args!("error: {}\n  hint: {}", trouble.problem, trouble.hint));
         }
     }
+    if let Some(error) = undivided {
+        return Err(error);
+    }
     Ok(match is_same {
-        _ if compared.iter().any(|one| one.trouble().is_some()) => ExitStatus::Usage,
+        _ if has_trouble => ExitStatus::Usage,
         true => ExitStatus::Done,
         false => ExitStatus::Failure,
     })

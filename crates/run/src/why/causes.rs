@@ -4,24 +4,26 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
 use crumple_report::Summary;
 use crumple_stage::records::TestV1;
-use crumple_stage::{Artifact, Pipeline, Refused, Usage, chain};
+use crumple_stage::{Artifact, Pipeline, Usage, chain};
 
-use crate::program::digest_of;
+use crate::program::{digest_of, find as in_path};
 use crate::words::Words;
+
+/// Flags of a stage, each with its value, as they were typed.
+type Flags = Vec<Vec<String>>;
 
 /// How a run was made, and what it gave.
 #[derive(Debug, Clone)]
 pub(super) struct Recipe {
     pub folder: PathBuf,
     pub record: PathBuf,
-    /// Digest of the record.
-    pub digest: String,
+    /// What the record is: kind and digest of the file, and of that beside it.
+    pub made_from: Vec<(String, String)>,
     pub pipeline: Pipeline,
-    /// Flags of the stage that reads the record, each with its value: as they were typed.
-    pub flags: Vec<Vec<String>>,
+    /// Flags of stages; those of the first stand behind the record.
+    pub flags: BTreeMap<String, Flags>,
     /// Flags of every stage.
     pub of_all: String,
     /// Programs from elsewhere, by stage.
@@ -34,17 +36,19 @@ impl Recipe {
         let lacks = |what: String, hint: &str| {
             Usage::new(format!("{}: {what}, so its change cannot be divided", folder.display())).hint(hint.to_owned())
         };
-        let file = folder.join(Pipeline::OF_A_RUN);
-        if !file.is_file() {
-            let hint = "two folders that crumple run made: runs/RECORD/PIPELINE";
-            return Err(lacks(format!("there is no {}", Pipeline::OF_A_RUN), hint).into());
-        }
-        let pipeline = Pipeline::read(&file, None)?;
-        let ingested = Artifact::open(&folder.join("1-ingest.mcap")).map_err(Refused::from)?;
-        let version = ingested.provenance().map_or("", |made| made.stage_version.as_str());
-        if version != VERSION && !pipeline.is_foreign("ingest") {
-            let hint = "run both records again with one version";
-            return Err(lacks(format!("version {version} made it, this is {VERSION}"), hint).into());
+        let again = "run both records again";
+        let pipeline = Pipeline::read(&folder.join(Pipeline::OF_A_RUN), None)?;
+        for stage in chain().filter(|stage| !pipeline.is_foreign(stage.name)) {
+            let Some(file) = stage.outputs.first().map(|name| folder.join(name)).filter(|file| is_artifact(file))
+            else {
+                continue;
+            };
+            let artifact = Artifact::open(&file).map_err(|error| lacks(error.to_string(), again))?;
+            let version = artifact.provenance().map_or("", |made| made.stage_version.as_str());
+            if version != VERSION {
+                let what = format!("{} is of version {version:?}, this is {VERSION}", file.display());
+                return Err(lacks(what, "run both records again with one version").into());
+            }
         }
         let named = pipeline.record().unwrap_or_default();
         let Some(record) = place_of(folder, named).filter(|_| !named.is_empty()) else {
@@ -55,27 +59,47 @@ impl Recipe {
             chain().filter_map(|stage| Some((stage.name.to_owned(), Foreign::of(&pipeline, stage.name)?))).collect();
         if let Some(name) = programs.values().find_map(Foreign::changed) {
             let hint = "put it back as it was, or run both records again";
-            return Err(lacks(format!("the program {name} is another one by now"), hint).into());
+            return Err(lacks(format!("the program {name} is another one by now, or not at hand"), hint).into());
         }
-        let flags: Words = pipeline.typed("flags", "ingest").unwrap_or_default().parse()?;
+        let mut flags = BTreeMap::new();
+        for stage in chain() {
+            let typed: Words = pipeline.typed("flags", stage.name).unwrap_or_default().parse()?;
+            flags.insert(stage.name.to_owned(), grouped(&typed));
+        }
         Ok(Self {
             record,
-            digest: digest_of_record(&ingested).unwrap_or_default(),
-            flags: grouped(&flags),
+            made_from: made_from(folder).ok_or_else(|| lacks("there is no 1-ingest.mcap".to_owned(), again))?,
+            flags,
             of_all: pipeline.typed("flags", "every stage").unwrap_or_default().to_owned(),
             programs,
-            summary: Self::summary(folder)?,
+            summary: Self::summary(folder).ok_or_else(|| lacks("there is no summary.json".to_owned(), again))?,
             folder: folder.to_owned(),
             pipeline: pipeline.without_run(),
         })
     }
 
     /// The summary of a run folder.
-    pub(super) fn summary(folder: &Path) -> anyhow::Result<Summary> {
-        let file = folder.join("summary.json");
-        let text = fs::read_to_string(&file).with_context(|| format!("cannot read {}", file.display()))?;
-        serde_json::from_str(&text).with_context(|| format!("{} is no summary of a run", file.display()))
+    pub(super) fn summary(folder: &Path) -> Option<Summary> {
+        serde_json::from_str(&fs::read_to_string(folder.join("summary.json")).ok()?).ok()
     }
+
+    /// The commands of stages that are not run as they are: programs from elsewhere, and flags of the project's own.
+    pub(super) fn commands(&self) -> impl Iterator<Item = String> {
+        chain().filter(|stage| stage.name != "ingest" || self.programs.contains_key("ingest")).filter_map(|stage| {
+            let flags = self.flags.get(stage.name).into_iter().flatten().flatten().cloned().collect();
+            match self.programs.get(stage.name) {
+                Some(program) => Some(format!("{}={}", stage.name, program.typed)),
+                None => Some(Words(flags))
+                    .filter(|flags| !flags.is_empty())
+                    .map(|flags| format!("{}=crumple {} {flags}", stage.name, stage.name)),
+            }
+        })
+    }
+}
+
+/// Whether a stage wrote an artifact there.
+fn is_artifact(file: &Path) -> bool {
+    file.extension().is_some_and(|extension| extension == "mcap") && file.is_file()
 }
 
 /// The version that this program makes runs with.
@@ -93,17 +117,24 @@ impl Foreign {
         Some(Self { typed: pipeline.typed("program", stage)?.to_owned(), files: pipeline.files(stage) })
     }
 
-    /// The first of its files that is there and no longer what it was.
+    /// The first of its files that is no longer what it was.
     fn changed(&self) -> Option<&str> {
-        let is_changed =
-            |(name, digest): &(&String, &String)| digest_of(Path::new(name)).is_some_and(|now| now != **digest);
+        let now = |name: &str| {
+            let here = Some(PathBuf::from(name)).filter(|path| path.is_file());
+            digest_of(&here.or_else(|| in_path(name))?)
+        };
+        let is_changed = |(name, digest): &(&String, &String)| now(name).as_ref() != Some(digest);
         self.files.iter().find(is_changed).map(|(name, _)| name.as_str())
     }
 }
 
-/// The digest of the record that an artifact of ingest is of.
-pub(super) fn digest_of_record(ingested: &Artifact) -> Option<String> {
-    Some(ingested.record::<TestV1>("/test").ok()??.source.digest)
+/// What a run was made from: kind and digest of the record and of the file beside it.
+pub(super) fn made_from(folder: &Path) -> Option<Vec<(String, String)>> {
+    let ingested = Artifact::open(&folder.join("1-ingest.mcap")).ok()?;
+    let test = ingested.record::<TestV1>("/test").ok()??;
+    let inputs = ingested.provenance().map_or(&[][..], |made| &made.inputs[..]);
+    let inputs = inputs.iter().map(|input| (input.kind.clone(), input.digest.clone()));
+    Some(std::iter::once(("record".to_owned(), test.source.digest)).chain(inputs).collect())
 }
 
 /// A record by the path that a run noted: from here, or from a folder above the run, which was its project.
@@ -114,8 +145,8 @@ fn place_of(folder: &Path, named: &str) -> Option<PathBuf> {
 }
 
 /// Flags with their values: `--mass 1450kg`, `--trim`.
-fn grouped(words: &Words) -> Vec<Vec<String>> {
-    let mut groups: Vec<Vec<String>> = Vec::new();
+fn grouped(words: &Words) -> Flags {
+    let mut groups = Flags::new();
     for word in words.iter() {
         match groups.last_mut() {
             Some(group) if !word.starts_with("--") => group.push(word.clone()),
@@ -134,8 +165,10 @@ fn flag_name(group: &[String]) -> &str {
 #[derive(Debug, Clone, PartialEq)]
 enum What {
     Record,
-    /// A flag of the stage that reads the record.
-    Flag(String),
+    /// A flag of a stage.
+    Flag(String, String),
+    /// The flags of every stage.
+    OfAll,
     /// Whether a stage runs at all.
     Stage(String),
     /// An option of the pipeline.
@@ -157,25 +190,28 @@ pub(super) struct Cause {
 pub(super) struct Causes(Vec<Cause>);
 
 impl Causes {
-    /// Errors: what cannot be made again.
-    pub(super) fn between(a: &Recipe, b: &Recipe) -> anyhow::Result<Self> {
+    /// All that differs, each by itself.
+    pub(super) fn between<'a>(a: &'a Recipe, b: &'a Recipe) -> Self {
         let place = |stage: &str| chain().position(|known| known.name == stage).unwrap_or(0);
         let mut all = Vec::new();
         let mut add =
             |name: String, stage: &str, what: What| all.push(Cause { name, stage: place(stage), what: vec![what] });
-        if a.digest != b.digest {
+        if a.made_from != b.made_from {
             add("record".to_owned(), "ingest", What::Record);
         }
-        let names: BTreeSet<&str> = a.flags.iter().chain(&b.flags).map(|group| flag_name(group)).collect();
-        let flags = |recipe: &Recipe, name: &str| -> Vec<Vec<String>> {
-            recipe.flags.iter().filter(|group| flag_name(group) == name).cloned().collect()
-        };
-        for name in names.into_iter().filter(|name| flags(a, name) != flags(b, name)) {
-            add(
-                format!("ingest.{}", name.trim_start_matches('-').replace('-', "_")),
-                "ingest",
-                What::Flag(name.to_owned()),
-            );
+        if a.of_all != b.of_all {
+            add("flags of every stage".to_owned(), "ingest", What::OfAll);
+        }
+        for stage in chain() {
+            let of = |recipe: &'a Recipe| recipe.flags.get(stage.name).map_or(&[][..], Vec::as_slice);
+            let names: BTreeSet<&str> = of(a).iter().chain(of(b)).map(|group| flag_name(group)).collect();
+            let flags = |recipe: &'a Recipe, name: &str| -> Flags {
+                of(recipe).iter().filter(|group| flag_name(group) == name).cloned().collect()
+            };
+            for name in names.into_iter().filter(|name| flags(a, name) != flags(b, name)) {
+                let shown = format!("{}.{}", stage.name, name.trim_start_matches('-').replace('-', "_"));
+                add(shown, stage.name, What::Flag(stage.name.to_owned(), name.to_owned()));
+            }
         }
         let runs = |recipe: &Recipe, stage: &str| recipe.pipeline.table(stage).is_some();
         for stage in chain().filter(|stage| runs(a, stage.name) != runs(b, stage.name)) {
@@ -191,7 +227,7 @@ impl Causes {
             add(format!("program of {}", stage.name), stage.name, What::Program(stage.name.to_owned()));
         }
         all.sort_by_key(|cause| cause.stage);
-        Ok(Self(all))
+        Self(all)
     }
 
     /// The same with no more causes than so many: those of one stage come together, then those of the last stages.
@@ -235,10 +271,14 @@ impl Causes {
         let chosen = self.0.iter().enumerate().filter(|(k, _)| set & (1 << k) != 0);
         for what in chosen.flat_map(|(_, cause)| &cause.what) {
             match what {
-                What::Record => (mixed.record, mixed.digest) = (b.record.clone(), b.digest.clone()),
-                What::Flag(name) => {
-                    mixed.flags.retain(|group| flag_name(group) != name);
-                    mixed.flags.extend(b.flags.iter().filter(|group| flag_name(group) == name).cloned());
+                What::Record => (mixed.record, mixed.made_from) = (b.record.clone(), b.made_from.clone()),
+                What::OfAll => b.of_all.clone_into(&mut mixed.of_all),
+                What::Flag(stage, name) => {
+                    let is_meant = |group: &Vec<String>| flag_name(group) == name;
+                    let taken: Flags = b.flags[stage].iter().filter(|group| is_meant(group)).cloned().collect();
+                    let flags = mixed.flags.entry(stage.clone()).or_default();
+                    flags.retain(|group| !is_meant(group));
+                    flags.extend(taken);
                 }
                 What::Stage(stage) => mixed.pipeline.take_stage(&b.pipeline, stage),
                 What::Option(name) => mixed.pipeline.take_option(&b.pipeline, name),

@@ -9,11 +9,11 @@ use std::sync::Mutex;
 use std::thread;
 
 use anyhow::Context;
-use crumple_report::{Divided, DividedNumber, Quantity, Summary, engineering, quantities};
-use crumple_stage::{Artifact, ExitStatus, Pipeline, Refused, Usage, chain, variable_of};
+use crumple_report::{CompareSettings, Divided, DividedNumber, Group, Quantity, Summary, quantities};
+use crumple_stage::{ExitStatus, Pipeline, Usage, chain, variable_of};
 
 use crate::program::own_command;
-use causes::{Causes, Recipe, digest_of_record};
+use causes::{Causes, Recipe, made_from};
 use shapley::shares;
 
 /// Causes that are told apart: all their sets come to 2^4 runs, two of which are made already.
@@ -26,9 +26,9 @@ const MOST: usize = 4;
 ///
 /// Errors: a folder that does not say how it was made, a record that is not at hand or another one by now, programs of
 /// another version.
-pub fn why(before: &Path, after: &Path) -> anyhow::Result<Divided> {
+pub fn why(before: &Path, after: &Path, settings: &CompareSettings) -> anyhow::Result<Divided> {
     let [a, b] = [Recipe::of(before)?, Recipe::of(after)?];
-    let causes = Causes::between(&a, &b)?.at_most(MOST);
+    let causes = Causes::between(&a, &b).at_most(MOST);
     if causes.is_empty() {
         return Ok(Divided::default());
     }
@@ -39,9 +39,11 @@ pub fn why(before: &Path, after: &Path) -> anyhow::Result<Divided> {
     let mut divided = Divided { causes: causes.names().collect(), runs: made.len() - 2, ..Divided::default() };
     // A number that one of both does not have has no change.
     let has_both = |row: &&Quantity| row.values[0].is_some() && row.values[last].is_some();
-    for row in quantities(&summaries, &engineering()).iter().filter(has_both).filter(|row| row.differs(last)) {
+    // Parameters of two models stand beside nothing.
+    let is_one_model = summaries.iter().all(|summary| summary.recommended == a.summary.recommended);
+    for row in quantities(&summaries, settings).iter().filter(has_both).filter(|row| row.differs(last)) {
         let values: Option<Vec<f64>> = row.values.iter().map(|own| Some(own.as_ref()?.value)).collect();
-        match values {
+        match values.filter(|_| is_one_model || row.group != Group::Parameter) {
             Some(values) => {
                 divided.numbers.push(DividedNumber::new(row, [values[0], values[last]], shares(&values)));
             }
@@ -86,7 +88,9 @@ impl Sets<'_> {
                     });
                 }
             });
-            for (set, result) in results.into_inner().unwrap_or_default() {
+            let mut results = results.into_inner().unwrap_or_default();
+            results.sort_by_key(|(set, _)| *set);
+            for (set, result) in results {
                 made[set] = result?;
                 folders.extend(made[set].is_some().then(|| (set, self.place(set))));
             }
@@ -116,20 +120,18 @@ impl Sets<'_> {
         let mut command = own_command("run");
         chain().for_each(|stage| _ = command.env_remove(variable_of(stage.name)));
         command.arg("--pipeline").arg(&file).arg("--out").arg(&folder).args(["-q", "--flags", &recipe.of_all]);
-        for (stage, program) in &recipe.programs {
-            command.arg("--stage").arg(format!("{stage}={}", program.typed));
-        }
-        command.arg(&recipe.record).args(recipe.flags.iter().flatten());
+        recipe.commands().for_each(|typed| _ = command.arg("--stage").arg(typed));
+        command.arg(&recipe.record).args(recipe.flags.get("ingest").into_iter().flatten().flatten());
         let ended = command.output().context("cannot start the run of a cause")?;
         let has_result = [ExitStatus::Done, ExitStatus::NoAcceptableResult].map(|status| Some(i32::from(status as u8)));
         if !has_result.contains(&ended.status.code()) {
             return Ok(None);
         }
-        let ingested = Artifact::open(&folder.join("1-ingest.mcap")).map_err(Refused::from)?;
-        if digest_of_record(&ingested).is_none_or(|digest| digest != recipe.digest) {
-            let problem = format!("the record {} is another one by now", recipe.record.display());
+        if made_from(&folder).is_none_or(|made_from| made_from != recipe.made_from) {
+            let problem =
+                format!("the record {}, or the file beside it, is another one by now", recipe.record.display());
             return Err(Usage::new(problem).hint("put it back as it was, or run both records again").into());
         }
-        Recipe::summary(&folder).map(Some)
+        Ok(Recipe::summary(&folder))
     }
 }

@@ -158,7 +158,8 @@ pub(crate) fn mean_and_deviation(samples: &[f64]) -> (f64, f64) {
     (mean, (variance / count).sqrt())
 }
 
-/// By how much `late` lies behind `curve`, s: the difference of the ways that both add, each over its change of velocity.
+/// By how much `late` lies behind `curve`, s: the difference of the ways that both add, each over its change of
+/// velocity.
 ///
 /// A delay of `τ` takes `τ Δv` off the way. A filter without phase keeps the moment of a pulse, whatever its width, a
 /// gain changes way and velocity alike, and what the end of a record cuts off has added no way yet. `None` where a

@@ -30,7 +30,8 @@ pub(crate) static ROWS: [Invariant; 9] = [
         explanation: [
             "The filtered pulse ends elsewhere than the record does.",
             "The last samples are compared; 5 ms and one sampling interval of the coarser one are left: a filter whose \
-             delay was taken off ends as much earlier.",
+             delay was taken off ends as much earlier, and four poles of 100 Hz, CFC 60 run one way, are late by \
+             2.61/(2π 100 Hz) = 4.2 ms.",
             "What happens later is not in any result, or what never happened is: another number of samples, or another \
              sampling interval, was written.",
             "write all samples of the pulse, with their dt_s, in the program of the stage filter",
@@ -44,9 +45,9 @@ pub(crate) static ROWS: [Invariant; 9] = [
         explanation: [
             "The filtered pulse is late or early: its filter has a delay, or its time axis begins elsewhere.",
             "The ways that both add up to 150 ms, each over its change of velocity, are compared: a delay takes itself \
-             off, and a gain nothing. A filter run forward and backward has none (ISO 6487 and SAE J211 ask for that); more than one sampling \
-             interval and 1 ms are named: noise and zero levels of made records come to 0.4 ms. Not asked where CR204 \
-             or CR207 is.",
+             off, and a gain nothing. A filter run forward and backward has none (ISO 6487 and SAE J211 ask for \
+             that); more than one sampling interval and 1 ms are named: noise and zero levels of made records come \
+             to 0.4 ms. Not asked where CR204 or CR207 is.",
             "The crush is off by the impact speed times the delay: too large where the pulse is late.",
             "run the filter forward and backward (filtfilt for lfilter), or take its delay off t0_ns",
         ],
@@ -126,8 +127,8 @@ pub(crate) static ROWS: [Invariant; 9] = [
         weight: Weight::Decisive,
         explanation: [
             "No acceleration is left after the filter.",
-            "1-ingest has the wave of the pulse, and 2-filter no wave of an acceleration under the id of a channel; one \
-             that ended without a result says so itself.",
+            "1-ingest has the wave of the pulse, and 2-filter no wave of an acceleration under the id of a channel; \
+             one that ended without a result says so itself.",
             "Nothing can be integrated.",
             "write the filtered samples under the id of the pulse in the program of the stage filter",
         ],

@@ -47,8 +47,8 @@ pub(crate) static ROWS: [Invariant; 10] = [
         weight: Weight::Decisive,
         explanation: [
             "The velocity does not begin with the impact speed, or two impact speeds are stated.",
-            "The velocity at contact, or where the integration begins, and the speed of /test are compared with that of \
-             /events; 1 % and 0.05 m/s are left. What a filter spreads before contact is in between.",
+            "The velocity at contact, or where the integration begins, and the speed of /test are compared with that \
+             of /events; 1 % and 0.05 m/s are left. What a filter spreads before contact is in between.",
             "Energy and crush go with the square of the speed: one of both is wrong.",
             READ_OFF,
         ],

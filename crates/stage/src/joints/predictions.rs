@@ -82,9 +82,9 @@ pub(crate) static ROWS: [Invariant; 6] = [
         weight: Weight::Decisive,
         explanation: [
             "Predictions that were asked for are missing, or others stand in their place.",
-            "Speeds and masses of the table [predict] of the pipeline, or of the options that 7-predict states, are \
-             looked for among the predictions of a recommended candidate; 0.5 % is left. Without a mass it is that of \
-             the test.",
+            "Speeds and masses of the table [predict] of the pipeline are looked for among the predictions of the \
+             recommended candidate; 0.5 % is left. Without a mass it is that of the test. Not asked where 7-predict \
+             states options of its own.",
             "The number that somebody looks for is not there, or that beside it is of another impact.",
             "predict every speed of the pipeline: the program of the stage predict is given its file by --pipeline",
         ],
@@ -256,13 +256,13 @@ struct Asked {
 }
 
 impl Asked {
-    /// What the options of the artifact say, else the pipeline; `None` where neither lists speeds against the wall.
+    /// What the pipeline lists; `None` where it lists no speeds against the wall, or the artifact states options of its
+    /// own.
     fn of(artifact: &Artifact, pipeline: Option<&Pipeline>) -> Option<Self> {
-        let stated =
-            artifact.provenance().and_then(|made| serde_json::from_str::<OptionsStated>(&made.config_json).ok());
-        if let Some(options) = stated.filter(|options| options.partner.is_none() && !options.speeds_m_per_s.is_empty())
-        {
-            return Some(Self { speeds_m_per_s: options.speeds_m_per_s, masses_kg: options.masses_kg });
+        // A program of the project says itself what it leaves out, and is called with other options too.
+        let options = artifact.provenance().and_then(|made| serde_json::from_str(&made.config_json).ok());
+        if options.is_some_and(|options: serde_json::Value| options.get("speeds_m_per_s").is_some()) {
+            return None;
         }
         let table = pipeline?.table("predict")?;
         let texts = |key: &str| {
@@ -270,8 +270,8 @@ impl Asked {
             list.into_iter().flatten().filter_map(toml::Value::as_str).collect::<Vec<_>>()
         };
         // Ranges, closing speeds and partners are read by the stage alone.
-        let is_plain =
-            !["speed", "closing_speed", "closing-speed", "partner"].iter().any(|key| table.contains_key(*key));
+        let others = ["speed", "closing_speed", "closing-speed", "partner", "candidate"];
+        let is_plain = !others.iter().any(|key| table.contains_key(*key));
         let speeds: Result<Vec<Speed>, _> = texts("speeds").into_iter().map(str::parse).collect();
         let masses: Result<Vec<Mass>, _> = texts("mass").into_iter().map(str::parse).collect();
         let speeds = speeds.ok().filter(|speeds| is_plain && !speeds.is_empty())?;
@@ -280,14 +280,6 @@ impl Asked {
             masses_kg: masses.ok()?.iter().map(|mass| mass.si()).collect(),
         })
     }
-}
-
-/// The options of the stage that say what is asked.
-#[derive(serde::Deserialize)]
-struct OptionsStated {
-    speeds_m_per_s: Vec<f64>,
-    masses_kg: Vec<f64>,
-    partner: Option<serde_json::Value>,
 }
 
 fn was_not_asked_for(parts: &RunParts<'_>) -> Vec<Finding> {
