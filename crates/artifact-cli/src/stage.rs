@@ -271,6 +271,10 @@ fn check_files(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
             }
         }
         let run = path.is_dir().then_some(path.as_path());
+        if let Some(earlier) = run.and_then(results_of_an_earlier_run) {
+            status = ExitStatus::Refused;
+            say(format_args!("error: {earlier}"));
+        }
         let faults = if is_sound { faults_together(&artifacts, run) } else { Vec::new() };
         for fault in &faults {
             status = ExitStatus::Refused;
@@ -345,6 +349,9 @@ fn explain(words: &[PathBuf]) -> anyhow::Result<ExitStatus> {
         if let Some(fault) = faults_together(&artifacts, Some(run)).into_iter().next() {
             let hint = format!("{} makes the run again", program("run"));
             return Err(Refused::new(fault).expected("the artifacts of one run").hint(hint).into());
+        }
+        if let Some(earlier) = results_of_an_earlier_run(run) {
+            say(format_args!("note: {earlier}"));
         }
         here = contradictions(&artifacts, pipeline_of(run).as_ref()).into_iter().filter(is_asked).collect();
     }

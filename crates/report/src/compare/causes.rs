@@ -10,7 +10,7 @@ use crate::phrases::words;
 
 use super::expected::Expected;
 use super::settings::{options_of, settings_of};
-use crate::findings::StageRecord;
+use crate::findings::{StageRecord, TestSummary};
 
 /// What two results were made with that is not the same.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -53,6 +53,11 @@ fn cause(kind: CauseKind, name: &str, from: String, to: String) -> Cause {
 
 /// What the test was, in each run: mass, speed, contact, the channel of the pulse.
 fn test_causes(sides: [&Expected; 2], place: &impl Fn(&str, &str) -> Option<(String, usize)>) -> Vec<Cause> {
+    // Without a summary nothing is known of a test.
+    let is_unknown = |side: &&Expected| json!(side.summary.test) == json!(TestSummary::default());
+    if sides.iter().any(is_unknown) {
+        return Vec::new();
+    }
     let lacks_contact = sides.iter().any(|side| side.is_earlier() || side.stages.is_empty());
     let [before, after] = sides.map(|side| {
         let mut test = json!(side.summary.test);
@@ -87,7 +92,10 @@ pub fn causes([a, b]: [&Expected; 2], place: impl Fn(&str, &str) -> Option<(Stri
     if a.record[1] != b.record[1] {
         all.push(cause(CauseKind::Record, "record", a.record(), b.record()));
     }
+    // What was typed for the test is said as what it makes of it.
+    let is_said = !all.is_empty();
     let mut settings = settings([a, b], &place);
+    settings.retain(|cause| !(is_said && cause.name == "ingest.flags"));
     let chain = |name: &str| {
         let stage = name.split('.').next().unwrap_or_default();
         b.stages.iter().chain(&a.stages).position(|record| record.stage == stage)
@@ -116,12 +124,17 @@ fn settings([a, b]: [&Expected; 2], place: &impl Fn(&str, &str) -> Option<(Strin
         let mut own = side.stages.iter().filter(|record| record.stage == stage);
         own.any(|record| ["", "{}", "null"].contains(&record.settings.as_str()))
     };
+    let both_kept = !a.options.is_empty() && !b.options.is_empty();
     let resolved = differing(&[a, b].map(|side| settings_of(&side.stages))).into_iter().filter(|(name, _)| {
         let stage = stage_of(name);
+        // An artifact that is gone states no options; where both kept theirs, these say what was asked.
+        let [in_a, in_b] = [a, b].map(|side| side.stages.iter().any(|record| record.stage == stage));
+        if both_kept && in_a != in_b {
+            return false;
+        }
         name.ends_with(".version")
             || (!with_typed.contains(&stage) && lacks_settings(a, &stage) == lacks_settings(b, &stage))
     });
-    let both_kept = !a.options.is_empty() && !b.options.is_empty();
     let all = resolved.chain(typed.iter().filter(|_| both_kept).cloned());
     all.map(|(name, [from, to])| match name.strip_suffix(".version") {
         Some(stage) => Cause { place: place(stage, "program"), ..cause(CauseKind::Program, stage, from, to) },

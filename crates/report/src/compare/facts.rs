@@ -24,6 +24,13 @@ pub struct Fact {
     pub values: [String; 2],
 }
 
+impl Fact {
+    /// Whether it stands above all numbers: the status, and what a run contradicts itself in.
+    pub fn is_grave(&self) -> bool {
+        self.key == "verdict.status" || self.key.starts_with("remarks")
+    }
+}
+
 /// Names of fields that are sentences, steps of a solver, or follow from others: nobody decides by them.
 const ASIDE: [&str; 30] = [
     "absent_because",

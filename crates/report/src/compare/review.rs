@@ -210,8 +210,10 @@ impl Review {
         };
         let (loud, quiet): (Vec<&Quantity>, Vec<&Quantity>) = self.rows.iter().partition(|row| row.differs(1));
         let loud = loud.into_iter().map(|row| (of_row(row), "!"));
-        let facts = self.facts.iter().map(|fact| (of_fact(fact), "!"));
-        let all: Vec<_> = loud.chain(facts).chain(quiet.into_iter().map(|row| (of_row(row), ""))).collect();
+        let (grave, facts): (Vec<&Fact>, Vec<&Fact>) = self.facts.iter().partition(|fact| fact.is_grave());
+        let [grave, facts] = [grave, facts].map(|facts| facts.into_iter().map(|fact| (of_fact(fact), "!")));
+        let quiet = quiet.into_iter().map(|row| (of_row(row), ""));
+        let all: Vec<_> = grave.chain(loud).chain(facts).chain(quiet).collect();
         let left = all.len().saturating_sub(room);
         let is_empty = all.is_empty();
         let table: Vec<([String; 5], &str)> = std::iter::once((heads, "")).chain(all.into_iter().take(room)).collect();

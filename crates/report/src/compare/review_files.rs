@@ -132,12 +132,13 @@ fn section(review: &Review, comparison: &Comparison, with_details: bool) -> Stri
     let model = arrows(&review.model());
     text.push_str(&format!("\n{}.\n{}{bold}Recommended model: {model}.{bold}\n\n", counted, notes.collect::<String>()));
     let rows: Vec<String> = loud.iter().map(|row| table_row(row)).collect();
-    let facts: Vec<String> = review.facts.iter().map(fact_row).collect();
+    let (grave, facts): (Vec<&Fact>, Vec<&Fact>) = review.facts.iter().partition(|fact| fact.is_grave());
+    let [grave, facts] = [grave, facts].map(|facts| facts.into_iter().map(fact_row).collect::<Vec<String>>());
     let quiet: Vec<String> = quiet.iter().map(|row| table_row(row)).collect();
     // Some of both kinds, whichever there are more of.
     let (of_rows, of_facts) = (rows.len().min(16), facts.len().min(8));
     let of_quiet = quiet.len().min(8_usize.saturating_sub(of_rows + of_facts));
-    let shown = [&rows[..of_rows], &facts[..of_facts], &quiet[..of_quiet]].concat();
+    let shown = [&grave[..], &rows[..of_rows], &facts[..of_facts], &quiet[..of_quiet]].concat();
     let rest = [&rows[of_rows..], &facts[of_facts..], &quiet[of_quiet..]].concat();
     if !shown.is_empty() {
         text.push_str("| | before | after | change | limit | change ÷ limit |\n|---|--:|--:|--:|--:|:--|\n");
@@ -153,6 +154,9 @@ fn section(review: &Review, comparison: &Comparison, with_details: bool) -> Stri
             text.push_str(&rest.concat());
         }
         text.push_str("\n</details>\n");
+    }
+    if !with_details && !rest.is_empty() {
+        text.push_str(&format!("\nAnd {} more: `crumple diff --all`.\n", rest.len()));
     }
     text.push('\n');
     text

@@ -244,7 +244,10 @@ fn moves_the_vehicle(parts: &RunParts<'_>) -> Vec<Finding> {
 fn is_gone(parts: &RunParts<'_>) -> Vec<Finding> {
     let (Some(ingested), Some(made)) = (parts.of("ingest"), parts.of("filter")) else { return Vec::new() };
     let Some(test) = record::<TestV1>(ingested, "/test") else { return Vec::new() };
-    let Some(id) = pulse_of(&test).filter(|id| ingested.waves().contains_key(*id)) else { return Vec::new() };
+    // The pulse of a recorder may be its table of velocities.
+    let is_acceleration =
+        |id: &&str| ingested.waves().get(*id).is_some_and(|wave| wave.quantity == QuantityKind::Acceleration);
+    let Some(id) = pulse_of(&test).filter(is_acceleration) else { return Vec::new() };
     // Another channel of the test may be the pulse of the stages behind it.
     let is_listed = |id: &String| test.channels.iter().any(|channel| channel.id == *id);
     let mut accelerations = made.waves().iter().filter(|(_, wave)| wave.quantity == QuantityKind::Acceleration);
