@@ -196,7 +196,7 @@ fn candidate(id: &str, k_deviation: f64, figures: [f64; 3]) -> Value {
 }
 
 #[test]
-fn a_parameter_that_one_side_leaves_open_opens_its_candidate() {
+fn a_parameter_that_one_side_leaves_open_is_a_difference_and_hides_no_other() {
     let of = |open_a: bool, open_b: bool| {
         let side = |open: bool, standard: f64| {
             let deviation = if open { 20.0 } else { 0.1 };
@@ -204,10 +204,11 @@ fn a_parameter_that_one_side_leaves_open_opens_its_candidate() {
         };
         differing("summary.json", &side(open_a, 0.1), &side(open_b, 0.4), &CompareSettings::default())
     };
-    assert_eq!(of(true, true), Vec::<String>::new());
-    let c = "candidates[x].uncertainty.standard_deviation.c";
-    assert_eq!(of(false, false), [c]);
-    assert_eq!((of(true, false), of(false, true)), (Vec::new(), Vec::new()), "one side is enough");
+    let c = "candidates[x].uncertainty.standard_deviation.c".to_owned();
+    assert_eq!((of(true, true), of(false, false)), (vec![c.clone()], vec![c.clone()]));
+    for found in [of(true, false), of(false, true)] {
+        assert!(found.contains(&"candidates[x].parameters.k".to_owned()) && found.contains(&c), "{found:?}");
+    }
     // What is no figure of the fit counts also in an open candidate.
     let side = |fit: f64| json!({"candidates": [candidate("x", 20.0, [fit, 1.0, 0.1])]});
     let found = differing("summary.json", &side(90.02), &side(89.98), &CompareSettings::default());
@@ -226,7 +227,8 @@ fn what_hangs_on_a_candidate_with_open_parameters_is_one_of_many_alike() {
         let found = of("/simulation/x/fit/1", simulation(0.5, 1.0), simulation(0.502, 2.0), base);
         assert_eq!(found, ["dynamic_crush_m"]);
         assert_eq!(of("/simulation/x/fit/10", simulation(0.5, 1.0), simulation(0.5, 2.0), base), ["energy_j"]);
-        assert_eq!(of("/recommendation", line(1.0), line(2.0), base), ["misfit"]);
+        let of_line = ["candidates[x/fit/1].misfit", "misfit"];
+        assert_eq!(of("/recommendation", line(1.0), line(2.0), base), of_line, "how well it fits is compared");
     }
     assert_eq!(of("/simulation/x/fit/1", simulation(0.5, 1.0), simulation(0.5, 2.0), Base::Exact), ["energy_j"]);
 }
