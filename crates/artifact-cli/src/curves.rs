@@ -122,7 +122,7 @@ pub fn static_curves(
 }
 
 /// The ends of the 95 % interval of each number: beside what no lumped model describes, where the choice says it, else
-/// by the noise alone.
+/// those of its uncertainty.
 fn ends_of_numbers(record: &CandidateV1, rated: Option<&RatedCandidateV1>) -> Vec<(String, [f64; 2])> {
     let of_choice = rated.map(|rated| &rated.log_deviations).filter(|deviations| !deviations.is_empty());
     if let Some(deviations) = of_choice {

@@ -8,10 +8,11 @@ use crumple_artifact::{
 };
 use serde_json::{Value, json};
 
+use crate::allowed::Unit;
 use crate::candidate::Candidate;
 use crate::differences::{Difference, FileReport, Reason, Side, TopicReport};
 use crate::json::{compare_json, leaves};
-use crate::tolerances::{Base, Unit};
+use crate::tolerances::Base;
 use crate::{CompareSettings, Tolerance, Tolerances};
 
 // Two artifacts: topics paired by name, each compared as what it is.

@@ -6,8 +6,8 @@ use crumple_artifact::records::CandidateV1;
 use serde_json::{Map, Value};
 
 use crate::Tolerance;
+use crate::allowed::{Allowed, Unit, tolerance};
 use crate::differences::{Reason, Side};
-use crate::tolerances::{Allowed, Unit, tolerance};
 
 /// Share of its standard deviation by which a parameter may differ: it moves no interval in its second digit.
 const SHARE_OF_DEVIATION: f64 = 0.01;

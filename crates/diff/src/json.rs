@@ -4,11 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Map, Value};
 
+use crate::allowed::{Allowed, Unit};
 use crate::candidate::Candidate;
 use crate::differences::{Difference, Reason, TopicReport};
 use crate::ranking::same_ranking;
 use crate::texts::{same_but_for_numbers, same_words, same_words_exactly};
-use crate::tolerances::{Allowed, Unit};
 use crate::{Base, CompareSettings, Tolerance};
 
 // Records: two JSON values, walked side by side.

@@ -4,6 +4,7 @@
 //! topics. What counts as the same is a tolerance by topic and place ([`Tolerances`]); the normative text is
 //! `docs/diff.md`. Everything here works on values in memory; reading files is the business of the program.
 
+mod allowed;
 mod artifact;
 mod candidate;
 mod differences;
@@ -14,9 +15,10 @@ mod ranking;
 mod texts;
 mod tolerances;
 
+pub use allowed::Tolerance;
 pub use artifact::{compare_artifacts, open_candidates};
 pub use differences::{Comparison, Difference, FileReport, NotCompared, Reason, Side, TopicReport};
 pub use error::DiffError;
 pub use json::{Limit, compare_json, compare_with_limits};
 pub use print::{TextOptions, conclusion, write_text};
-pub use tolerances::{Base, CompareSettings, Tolerance, ToleranceRule, Tolerances, parse_rules};
+pub use tolerances::{Base, CompareSettings, ToleranceRule, Tolerances, parse_rules};

@@ -19,7 +19,7 @@ texts! { ModelTexts
     follows: "Displacement fit {fit}.";
     one_spring:
         "One spring with the energy and the crush of the test: <strong>k\u{a0}=\u{a0}{stiffness}</strong>.";
-    by_noise_alone: "; 95\u{a0}% intervals, by the noise alone";
+    for_exact_mass: "; 95\u{a0}% intervals for an exact mass and gain";
     held_by_intervals: ", stretched to hold the value";
     at_most: "at most {end}";
     rating: "ISO/TS 18571 of the acceleration {value}{grade}.";

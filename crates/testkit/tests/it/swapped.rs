@@ -49,7 +49,7 @@ const FILTERS: [(&str, End); 42] = [
     ("offset", Warned("CR207")),
     ("clip", Warned("CR207")),
     ("reverse", Warned("CR203")),
-    ("every second", Warned("CR202")),
+    ("every second", Warned("CR207")),
     ("in ms", Refused("CR204")),
     ("zero", Refused("CR204")),
     ("velocity", Refused("CR204")),

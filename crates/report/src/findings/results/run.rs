@@ -286,7 +286,7 @@ impl CandidateResult {
             *value != 0.0 && ends.iter().any(|ends| ends.get(name) == Some(&Some(*value)))
         };
         let widened = if self.record.parameters.iter().any(is_end) { texts.held_by_intervals } else { "" };
-        format!("{}{widened}", texts.by_noise_alone)
+        format!("{}{widened}", texts.for_exact_mass)
     }
 
     /// Its name, with that of the candidate that gives exactly the same record.

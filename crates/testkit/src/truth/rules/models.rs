@@ -101,7 +101,7 @@ pub const RULES: &[Rule] = &[
         fit_is_right(said, spot, candidate(spot).ok_or("there is no such candidate")?)
     }),
     rule("model.one_spring", &[("stiffness", Words)], one_spring),
-    rule("model.by_noise_alone", &[], |_, spot| {
+    rule("model.for_exact_mass", &[], |_, spot| {
         let known = candidate(spot).map_or(&Value::Null, |candidate| &candidate["uncertainty"]);
         holds(known["interval_low"].is_object(), || "the candidate has no intervals".to_owned())
     }),

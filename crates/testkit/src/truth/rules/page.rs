@@ -123,7 +123,7 @@ pub const RULES: &[Rule] = &[
     says("console.model", "{model}: {parameters}", &[], |said, spot| {
         let own = spot.made.candidate_named(said.text("model")).ok_or("there is no such candidate")?;
         holds(own["id"] == spot.made.summary["recommended"], || "another is recommended".to_owned())?;
-        let says_by_what = said.text("parameters").contains("by the noise alone");
+        let says_by_what = said.text("parameters").contains("for an exact mass and gain");
         let has_intervals = own["uncertainty"]["interval_low"].as_object().is_some_and(|ends| !ends.is_empty());
         holds(says_by_what == has_intervals, || format!("it has intervals: {has_intervals}"))
     }),
