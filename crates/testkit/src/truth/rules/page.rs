@@ -102,7 +102,7 @@ pub const RULES: &[Rule] = &[
             ("count", Inner(&["conclusion.determined"])),
             ("magnitude", Inner(&["conclusion.order_of_magnitude"])),
             ("open", Inner(&["conclusion.open"])),
-            ("noise", Inner(&["model.by_noise_alone"])),
+            ("noise", Inner(&["model.for_exact_mass"])),
             ("widened", Inner(&["model.held_by_intervals"])),
         ],
         |said, _| holds(said.inner("count").is_some(), || "no count".to_owned()),
