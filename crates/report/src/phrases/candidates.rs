@@ -97,9 +97,9 @@ texts! { CandidateTexts
     intervals_caption:
         "± is one standard deviation, from the misfit and the sensitivities at the fit; “95 %” is the interval that \
          holds the value in 95 of 100 such records if the model is true and mass, gain and the division of the mass \
-         are exact, with two masses or more the speed too, “open” where the record does not bound it. It is far wider than two standard deviations where \
-         the misfit is worth few independent samples (see the remarks), and not symmetric. Profile, bootstrap and \
-         uncertain inputs, where asked for, are among a candidate's remarks.";
+         are exact, with two masses or more the speed too, “open” where the record does not bound it. It is far \
+         wider than two standard deviations where the misfit is worth few independent samples (see the remarks), and \
+         not symmetric. Profile, bootstrap and uncertain inputs, where asked for, are among a candidate's remarks.";
     dual_of: "dual of {model}: same record";
     fitted_to:
         "Fitted to the {quantity} of channel {channel} from {from} to {to} ms ({samples} samples); stopped: {reason}.";
