@@ -92,7 +92,7 @@ impl Review {
             && self.facts.is_empty()
             && self.models[0] == self.models[1]
             && !self.artifacts_count()
-            && !(by_provenance && !self.causes.is_empty())
+            && (!by_provenance || self.causes.is_empty())
     }
 
     /// Whether an artifact is missing, or has another content where that counts.

@@ -65,7 +65,7 @@ fn run_folders(inputs: &[PathBuf]) -> anyhow::Result<Vec<PathBuf>> {
             // A folder that is no run may hold some, by the rule of accept and diff.
             None if input.is_dir() && !is_of_a_run(input) => match runs_below(std::slice::from_ref(input)) {
                 Ok(below) => {
-                    folders.extend(below.into_iter().filter(|run| !run.is_kept && !run.is_joint).map(|run| run.path))
+                    folders.extend(below.into_iter().filter(|run| !run.is_kept && !run.is_joint).map(|run| run.path));
                 }
                 Err(error) if error.is::<DiffError>() => folders.push(input.clone()),
                 Err(error) => return Err(error),

@@ -87,7 +87,7 @@ fn search(path: &Path, seen: &mut BTreeSet<PathBuf>, found: &mut Vec<FoundRun>) 
     for (is_link, below) in entries {
         let is_hidden = below.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
         // A link that leads nowhere is no run.
-        if !is_hidden && (below.is_dir() || is_json(&below)) && !(is_link && !below.exists()) {
+        if !is_hidden && (below.is_dir() || is_json(&below)) && (!is_link || below.exists()) {
             search(&below, seen, found)?;
         }
     }
