@@ -302,6 +302,7 @@ fn parameters_and_metrics_come_before_the_rest_and_waveforms_are_few() {
     5-parameter-solve.mcap: /wave/c, sample 1 (t = 0.000100 s): 2.0  4.0  (abs 2, rel 0.5), the only one of 3 samples
     5-parameter-solve.mcap: 2 more waveforms (--all shows them)
     summary.json, candidates[kelvin/direct-fit/1].fit.rmse: 2.0  4.0  (abs 2, rel 0.5)
+    4 values are not compared: steps of solvers
     different: 7 of 7 topics in 2 files
     ");
     // Everything, the summary's repetitions too.
