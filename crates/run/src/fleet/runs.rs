@@ -8,7 +8,7 @@ use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc;
+use std::sync::{Mutex, PoisonError, mpsc};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -262,23 +262,27 @@ pub(crate) fn run_all(
     let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
     let mut ends: Vec<Option<JournalEntry>> = vec![None; runs.len()];
     let mut progress = Progress::new(runs.len(), options.quiet);
+    let journal = Mutex::new(journal);
     thread::scope(|scope| -> anyhow::Result<()> {
         let (sender, receiver) = mpsc::channel();
         for _ in 0..jobs(options).min(runs.len()) {
-            let (sender, next, stop) = (sender.clone(), &next, &stop);
+            let (sender, next, stop, journal) = (sender.clone(), &next, &stop, &journal);
             scope.spawn(move || {
                 while !stop.load(Ordering::Relaxed) {
                     let number = next.fetch_add(1, Ordering::Relaxed);
                     let Some(run) = runs.get(number) else { return };
-                    if sender.send((number, run_record(run, fleet, options))).is_err() {
+                    // Written before the next is begun: a fleet that is killed loses no more than what is under way.
+                    let written = run_record(run, fleet, options).and_then(|ended| {
+                        journal.lock().unwrap_or_else(PoisonError::into_inner).add(&ended).map(|()| ended)
+                    });
+                    if sender.send((number, written)).is_err() {
                         return;
                     }
                 }
             });
         }
         drop(sender);
-        for (number, ended) in receiver {
-            let written = ended.and_then(|ended| journal.add(&ended).map(|()| ended));
+        for (number, written) in receiver {
             let ended = written.inspect_err(|_| stop.store(true, Ordering::Relaxed))?;
             progress.advance(ended.has_result());
             ends[number] = Some(ended);
