@@ -55,6 +55,8 @@ pub enum Reason {
     SolverSteps,
     /// What the file was called that a record came in.
     SourceName,
+    /// Which program from elsewhere stood for a stage: a cause, where two runs are compared.
+    ProgramName,
     /// Samples on grids that differ.
     OtherGrid,
     /// A rule of the user says so.

@@ -21,4 +21,4 @@ pub use differences::{Comparison, Difference, FileReport, NotCompared, Reason, S
 pub use error::DiffError;
 pub use json::{Limit, compare_json, compare_with_limits};
 pub use print::{TextOptions, conclusion, write_text};
-pub use tolerances::{Base, CompareSettings, ToleranceRule, Tolerances, parse_rules};
+pub use tolerances::{Base, CompareSettings, ToleranceRule, Tolerances, parse_rules, rules_of};

@@ -304,6 +304,7 @@ fn not_compared(list: &[NotCompared]) -> Option<String> {
         Reason::FollowsOpenParameter => "what follows from such parameters",
         Reason::SolverSteps => "steps of solvers",
         Reason::SourceName => "names of sources",
+        Reason::ProgramName => "names of programs",
         Reason::OtherGrid => "samples on another time grid",
         Reason::Ignored => "ignored by the tolerance file",
     };

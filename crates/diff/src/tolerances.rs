@@ -43,6 +43,15 @@ struct Line {
     ignore: bool,
 }
 
+/// Reads the limits that a pipeline states: the lines of a tolerance file by their patterns.
+pub fn rules_of(lines: &BTreeMap<String, serde_json::Value>) -> Result<Vec<ToleranceRule>, DiffError> {
+    let rules = lines.iter().map(|(pattern, line)| {
+        let read = Line::deserialize(line);
+        rule(pattern, read.map_err(|error| DiffError::Tolerance(format!("{pattern:?}: {error}")))?)
+    });
+    rules.collect()
+}
+
 /// Reads the text of a tolerance file: `"<topic>#<place>" = { abs = 1e-6, rel = 1e-9 }` or `{ ignore = true }`.
 ///
 /// `#<place>` may be left out: everything under the topic. An empty topic: every topic.
@@ -116,14 +125,15 @@ pub struct Tolerances {
 /// Topic pattern, place pattern, tolerance; the first that matches counts.
 type Row = (&'static str, &'static str, Tolerance);
 
-/// What is not the result: how many steps a solver took to it, which may differ where the last bit does, and what the
-/// file was called that a record came in.
-const ASIDE: [(&str, &str, Reason); 5] = [
+/// What is not the result: how many steps a solver took to it, which may differ where the last bit does, what the file
+/// was called that a record came in, and the program that stood for a stage.
+const ASIDE: [(&str, &str, Reason); 6] = [
     ("/parameters/*", "fit.iterations", Reason::SolverSteps),
     ("/parameters/*", "fit.evaluations", Reason::SolverSteps),
     ("summary.json", "candidates*fit.iterations", Reason::SolverSteps),
     ("summary.json", "candidates*fit.evaluations", Reason::SolverSteps),
     ("/test", "source.name", Reason::SourceName),
+    ("summary.json", "programs*", Reason::ProgramName),
 ];
 
 /// What a residual is worth, for every base. The number of its effective samples is known to a tenth at best, and so is
@@ -170,6 +180,15 @@ const COMPUTATION: [Row; 15] = [
 ];
 
 impl Tolerances {
+    /// With rules of others too, which stand behind the own of the same pattern.
+    pub fn with_rules(&self, others: Vec<ToleranceRule>) -> Self {
+        let is_own = |other: &ToleranceRule| {
+            self.rules.iter().any(|own| (&own.topic, &own.place) == (&other.topic, &other.place))
+        };
+        let others = others.into_iter().filter(|other| !is_own(other));
+        Self { rules: self.rules.iter().cloned().chain(others).collect(), ..self.clone() }
+    }
+
     /// Errors: a rule for topics that neither side has.
     pub fn refuse_unmatched<'a>(&self, topics: impl Iterator<Item = &'a str> + Clone) -> Result<(), DiffError> {
         match self.rules.iter().find(|rule| !topics.clone().any(|topic| topic_matches(&rule.topic, topic))) {

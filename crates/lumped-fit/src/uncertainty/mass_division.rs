@@ -5,7 +5,7 @@
 
 use crumple_lumped::Model;
 use crumple_numerics::estimation::minimise::levenberg_marquardt::{Bounds, Response, descend};
-use crumple_numerics::estimation::statistics::normal_distribution;
+use crumple_numerics::estimation::statistics::{NORMAL_95, normal_distribution};
 use rayon::prelude::*;
 
 use crate::candidate::{Assessment, Intervals, Minimum, Profile};
@@ -13,10 +13,11 @@ use crate::coordinates::Coordinates;
 use crate::fit::as_measured::near;
 use crate::fit::problem::Problem;
 use crate::parameters::{FitParameter, free_masses, masses_of};
-use crate::record::observation::ObservedWave;
+use crate::record::observation::{Observation, ObservedWave};
 use crate::record::sensor::FitQuantity;
 use crate::uncertainty::acceleration_likelihood::{AccelerationLikelihood, Ends};
 use crate::uncertainty::transfer_posterior;
+use crate::uncertainty::uncertain_inputs::WithInputs;
 
 /// Shares on each side of the assumed one at which the fit is repeated, each from the ones before.
 const STEPS: usize = 4;
@@ -36,12 +37,13 @@ const LINEARISED: f64 = 0.01;
 /// Bisections of an end of the mixture.
 const BISECTIONS: usize = 60;
 
-impl Minimum {
+impl WithInputs {
     /// Widens the intervals of an assessment by a share of the mass in front of the last one that lies anywhere within
     /// `half_width` of that of the minimum.
     ///
     /// Of a double model whose misfit the noise before the event explains, they are those of its transfer function, see
-    /// `transfer_posterior`, with a share that is known (`half_width` 0) too. All of them hold the fitted value.
+    /// `transfer_posterior`, with a share that is known (`half_width` 0) and with uncertain inputs too. All of them hold
+    /// the fitted value.
     ///
     /// Else the fit is repeated at eight other shares, the masses in front in their proportion to each other and the
     /// total kept. The interval reaches from the 2.5th to the 97.5th percentile of the mixture of all shares: at each
@@ -51,15 +53,16 @@ impl Minimum {
     /// open. Standard deviation and correlation stay those at the share of the minimum. Nothing changes for one mass,
     /// where masses are fitted, or else with a share that is known.
     pub fn widen_by_mass_split(&self, assessment: &mut Assessment, half_width: f64) {
-        let masses = masses_of(&self.model);
+        let minimum = &self.minimum;
+        let masses = masses_of(&minimum.model);
         let total: f64 = masses.iter().map(|(_, kg)| kg).sum();
         let Some((_, last)) = masses.last().filter(|_| masses.len() > 1) else { return };
         let front = 1.0 - last / total;
         let is_mass = |p: &FitParameter| masses.iter().any(|(name, _)| *name == p.name);
-        if self.free.iter().any(is_mass) {
+        if minimum.free.iter().any(is_mass) {
             return;
         }
-        let values = self.model.parameters();
+        let values = minimum.model.parameters();
         // At one end of the shares that the record allows the fitted value is an end of the interval.
         let with_value = |name: &str, (low, high): Ends| {
             let value = values.get(name).copied();
@@ -79,12 +82,12 @@ impl Minimum {
             return;
         }
         let (below, above) = rayon::join(
-            || to_one_side(self, (front, -half_width), total),
-            || to_one_side(self, (front, half_width), total),
+            || to_one_side(minimum, (front, -half_width), total),
+            || to_one_side(minimum, (front, half_width), total),
         );
-        let at_assumed = AtShare { model: self.model.clone(), cost: cost_of(self) };
+        let at_assumed = AtShare { model: minimum.model.clone(), cost: cost_of(minimum) };
         let fits: Vec<&AtShare> = below.iter().rev().chain([&at_assumed]).chain(&above).collect();
-        let weights = weights(self, &fits, assessment.effective_samples);
+        let weights = weights(minimum, &fits, assessment.effective_samples);
         for (name, ends) in &mut assessment.interval {
             let (Some(value), (Some(low), Some(high))) = (values.get(name.as_str()), *ends) else { continue };
             let of_fits = fits.iter().filter_map(|fit| fit.model.parameters().get(name.as_str()).copied());
@@ -179,7 +182,8 @@ fn as_wide_as([low, value, high]: [f64; 3], there: f64) -> [f64; 3] {
 /// `None` for other models, for records whose misfit the noise does not explain, with a sensor in front or on the
 /// wall, whose motion is not that of this function, and where a displacement is missed by less than its resolution:
 /// then that, and not the noise, bounds what is known.
-fn by_transfer_function(minimum: &Minimum, front: f64, half_width: f64) -> Option<Intervals> {
+fn by_transfer_function(with: &WithInputs, front: f64, half_width: f64) -> Option<Intervals> {
+    let minimum = &with.minimum;
     let Model::DoubleSpringMassDamper(model) = &minimum.model else { return None };
     let shares = (front - half_width, front + half_width);
     let of_compartment = |wave: &ObservedWave| {
@@ -197,8 +201,11 @@ fn by_transfer_function(minimum: &Minimum, front: f64, half_width: f64) -> Optio
     let kept: Vec<usize> = (0..free.len()).collect();
     let coordinates = Coordinates::near(minimum.model.clone(), free);
     let source = AccelerationLikelihood::of(&coordinates, &minimum.observed, &coordinates.start(), &kept);
-    let intervals =
-        transfer_posterior::intervals(&source.filter(AccelerationLikelihood::explains)?, &coordinates, model, shares)?;
+    let source = source.filter(AccelerationLikelihood::explains)?;
+    let misfit = |observed: &Observation| {
+        AccelerationLikelihood::at(&coordinates, observed, &source.theta)?.by_waves(&source.theta)
+    };
+    let intervals = transfer_posterior::intervals((&source, &with.change_of(misfit)?), &coordinates, model, shares)?;
     let names = ["k1_n_per_m", "k2_n_per_m", "c1_n_s_per_m", "c2_n_s_per_m"].into_iter();
     Some(names.map(str::to_owned).zip(intervals).collect())
 }
@@ -227,7 +234,7 @@ fn mixture(nodes: &[[f64; 3]], weights: &[f64]) -> Ends {
     let below = |x: f64| {
         let one = |([low, value, high], weight): &([f64; 3], f64)| {
             let half = if x < *value { value - low } else { high - value };
-            weight * normal_distribution(1.96 * (x - value) / half.max(f64::MIN_POSITIVE))
+            weight * normal_distribution(NORMAL_95 * (x - value) / half.max(f64::MIN_POSITIVE))
         };
         shares.iter().map(one).sum::<f64>() / sum
     };
@@ -378,6 +385,7 @@ mod tests {
     use crate::parameters::free_parameters;
     use crate::uncertainty::acceleration_likelihood::tests::{CRUSH_M, IMPACT_SPEED_M_PER_S, holds, recorded};
     use crate::uncertainty::assessment::AssessmentOptions;
+    use crate::uncertainty::propagation::InputUncertainty;
 
     /// A car of 1500 kg, near its own dual, with this share of its mass in front.
     fn double(random: &mut RandomNumbers, share: f64) -> DoubleSpringMassDamper {
@@ -415,10 +423,11 @@ mod tests {
             let truth = Model::DoubleSpringMassDamper(truth);
             let observed = recorded(&truth, 1.0, seed);
             let minimum = fit_as_measured(&start, &free_parameters(&start, IMPACT_SPEED_M_PER_S, CRUSH_M), &observed);
-            let minimum = minimum.filter(|m| is_own_dual(&m.model) && by_transfer_function(m, 0.25, 0.1).is_some());
-            let Some(minimum) = minimum else { continue };
-            let mut assessment = minimum.assess(None, AssessmentOptions::default()).unwrap();
-            minimum.widen_by_mass_split(&mut assessment, 0.1);
+            let exact = minimum.map(|minimum| minimum.with_inputs(&InputUncertainty::default()));
+            let exact = exact.filter(|m| is_own_dual(&m.minimum.model) && by_transfer_function(m, 0.25, 0.1).is_some());
+            let Some(exact) = exact else { continue };
+            let mut assessment = exact.minimum.assess(None, AssessmentOptions::default()).unwrap();
+            exact.widen_by_mass_split(&mut assessment, 0.1);
             records += 1;
             let springs = ["k1_n_per_m", "k2_n_per_m"];
             held += springs.iter().filter(|name| holds(&assessment.interval, &truth, name)).count();

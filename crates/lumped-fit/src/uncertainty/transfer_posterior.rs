@@ -16,7 +16,7 @@
 use crumple_lumped::{DoubleSpringMassDamper, Model};
 use crumple_numerics::estimation::random::RandomNumbers;
 use crumple_numerics::estimation::statistics::{quantile, student_95};
-use nalgebra::{DMatrix, DVector, Matrix4, Vector4};
+use nalgebra::{Cholesky, DMatrix, DVector, Matrix4, Vector4};
 
 use crate::coordinates::Coordinates;
 use crate::fit::as_measured::is_own_dual;
@@ -86,6 +86,9 @@ fn springs_of([m1, m2]: Masses, numbers: &Numbers) -> Option<[Springs; 2]> {
     (w > 0.0 && x >= 0.0 && y >= 0.0).then(|| [found(u, w, x, y), found(w, u, y, x)])
 }
 
+/// A record: its likelihood, and the change of its rows by one deviation of each uncertain input.
+type Recorded<'a> = (&'a AccelerationLikelihood<'a>, &'a DMatrix<f64>);
+
 /// The likelihood of the numbers: normal for given `y`, and normal in `y`.
 struct Likelihood {
     /// Best numbers at `y = 0`, and their change with `y`.
@@ -99,8 +102,9 @@ struct Likelihood {
 }
 
 impl Likelihood {
-    /// From the response at a model, straight in the numbers. `None` where it is not determined.
-    fn at(source: &AccelerationLikelihood<'_>, coordinates: &Coordinates, theta: &[f64], scale: f64) -> Option<Self> {
+    /// From the response at a model, straight in the numbers. The errors of inputs move the best numbers at a given `y`,
+    /// and the best `y`; both variances gain what they move. `None` where it is not determined.
+    fn at((source, by_inputs): Recorded<'_>, coordinates: &Coordinates, theta: &[f64], scale: f64) -> Option<Self> {
         let (residuals, by_theta) = source.linear(theta)?;
         let numbers = |theta: &[f64]| {
             let (numbers, y) = of_values(&coordinates.values(theta))?;
@@ -131,7 +135,12 @@ impl Likelihood {
         let by_y = -four(&of_change);
         let best = four(&here) - four(&of_residuals);
         let y = (here[4] - left_by_y.dot(&left) / power, 1.0 / power.sqrt());
-        let root = Matrix4::from_fn(|i, j| inverse[(i, j)]);
+        let by_inputs = by_inputs * scale;
+        let of_inputs = &inverse * q.tr_mul(&by_inputs);
+        let y_by_inputs = by_inputs.tr_mul(&left_by_y) / power;
+        let y = (y.0, y.1.hypot(y_by_inputs.norm()));
+        let covariance = &inverse * inverse.transpose() + &of_inputs * of_inputs.transpose();
+        let root = Cholesky::new(Matrix4::from_fn(|i, j| covariance[(i, j)]))?.l();
         let inverse = root.try_inverse()?;
         let finite = best.iter().chain(by_y.iter()).chain(root.iter()).all(|x| x.is_finite());
         (finite && y.0.is_finite() && y.1.is_finite()).then(|| Self {
@@ -224,7 +233,7 @@ fn of_values(values: &[f64]) -> Option<(Numbers, f64)> {
 /// The 95 % intervals of `k1, k2, c1, c2` of a double model when its share in front lies anywhere in `shares`, or is
 /// known where these are one: from the 2.5th to the 97.5th percentile of what the record says.
 ///
-/// `source`: the misfit with these two springs, two dampers and the mass in front free. Beforehand no share, no
+/// `recorded`: the misfit with these two springs, two dampers and the mass in front free. Beforehand no share, no
 /// logarithm of a spring and no damper, from zero on, is preferred. Draws of share and noise, solved for both duals,
 /// are weighted as in importance sampling; near its own dual, where few of them have a model, they are too coarse, so
 /// walkers start from them and move by the density itself (Goodman & Weare, Commun. Appl. Math. Comput. Sci. 5, 2010).
@@ -234,15 +243,15 @@ fn of_values(values: &[f64]) -> Option<(Numbers, f64)> {
 /// function; 40,000 places of 200 walkers that hang together know an end to some hundredths of the width. `None` where
 /// too few draws have a model.
 pub(crate) fn intervals(
-    source: &AccelerationLikelihood<'_>,
+    recorded: Recorded<'_>,
     coordinates: &Coordinates,
     model: &DoubleSpringMassDamper,
     shares: (f64, f64),
 ) -> Option<[Ends; 4]> {
-    let scale = student_95(f64::INFINITY) / student_95(source.freedom());
+    let scale = student_95(f64::INFINITY) / student_95(recorded.0.freedom());
     let total = model.m1_kg + model.m2_kg;
     let masses = |share: f64| [share * total, (1.0 - share) * total];
-    let likelihood = linearised(source, coordinates, total, scale)?;
+    let likelihood = linearised(recorded, coordinates, total, scale)?;
     let mut random = RandomNumbers::seeded(0);
     let mut draws: Vec<(Point, f64)> = Vec::with_capacity(2 * DRAWS);
     for _ in 0..DRAWS {
@@ -357,13 +366,8 @@ fn walk(
 }
 
 /// The likelihood, linearised where springs and dampers tell the numbers of the transfer function apart best.
-fn linearised(
-    source: &AccelerationLikelihood<'_>,
-    coordinates: &Coordinates,
-    total: f64,
-    scale: f64,
-) -> Option<Likelihood> {
-    let start = source.theta.clone();
+fn linearised(recorded: Recorded<'_>, coordinates: &Coordinates, total: f64, scale: f64) -> Option<Likelihood> {
+    let start = recorded.0.theta.clone();
     let apart = |theta: &[f64]| {
         let values = coordinates.values(theta);
         ((values[1] * values[2]) / (total * values[3])).ln().abs()
@@ -388,7 +392,7 @@ fn linearised(
         let own = likelihood.is_none().then(|| start.clone());
         let points = SHARES.into_iter().filter_map(at_share).chain(own);
         let best = points.max_by(|a, b| apart(a).total_cmp(&apart(b)))?;
-        let next = Likelihood::at(source, coordinates, &best, scale)?;
+        let next = Likelihood::at(recorded, coordinates, &best, scale)?;
         numbers = next.at_zero + next.by_y * next.y.0.clamp(0.0, LARGEST_Y);
         likelihood = Some(next);
     }

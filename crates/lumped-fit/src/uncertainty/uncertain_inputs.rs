@@ -39,9 +39,30 @@ pub struct WithInputs {
     pub is_corrected: bool,
     /// Change of the coordinates by one deviation of each input that is left, one column for each.
     pub(crate) by_inputs: DMatrix<f64>,
+    /// The record, where any input of it is uncertain.
+    record: Option<UncertainRecord>,
+}
+
+/// A record with its uncertain inputs.
+#[derive(Debug, Clone)]
+struct UncertainRecord {
+    /// As it was measured, and what it is corrected by.
+    observed: Observation,
+    errors: Errors,
+    inputs: Vec<Input>,
+    /// Root of the covariance of what is left of the inputs, in deviations.
+    left: DMatrix<f64>,
+}
+
+impl UncertainRecord {
+    /// Change of rows by one deviation of each input that is left.
+    fn change_of(&self, rows: impl Fn(&Observation) -> Option<Vec<Vec<f64>>>) -> Option<DMatrix<f64>> {
+        Some(by_inputs((&self.observed, &self.errors, &self.inputs), rows)? * &self.left)
+    }
 }
 
 /// One uncertain input.
+#[derive(Debug, Clone)]
 struct Input {
     /// One standard deviation of it.
     deviation: Errors,
@@ -259,38 +280,44 @@ impl Minimum {
     /// is not among the inputs: springs and dampers are proportional to it. Waves of several tests, each with a time
     /// zero of its own, stay as they are.
     pub fn with_inputs(&self, uncertainty: &InputUncertainty) -> WithInputs {
-        let as_it_is =
-            || WithInputs { minimum: self.clone(), is_corrected: false, by_inputs: DMatrix::zeros(self.free.len(), 0) };
+        let none = DMatrix::zeros(self.free.len(), 0);
+        let exact = || WithInputs { minimum: self.clone(), is_corrected: false, by_inputs: none, record: None };
         let of_several = self.observed.waves.iter().any(|wave| wave.impact.is_some());
         let inputs = inputs_of(&self.observed, uncertainty);
         if inputs.is_empty() || of_several {
-            return as_it_is();
+            return exact();
         }
-        let corrected = estimate(self, &inputs).and_then(|estimate| {
+        let left = DMatrix::identity(inputs.len(), inputs.len());
+        let record =
+            UncertainRecord { observed: self.observed.clone(), errors: Errors::none(&self.observed), inputs, left };
+        let corrected = estimate(self, &record.inputs).and_then(|estimate| {
             let (coordinates, observed) = (self.coordinates(), with_errors(&self.observed, &estimate.errors)?.observed);
             let problem = near(&coordinates, &observed);
             let best = problem.follow(&estimate.theta)?;
             let minimum = finish(&problem, &best, self.evaluations + best.evaluations)?;
-            let by_inputs = response_to(&minimum, (&self.observed, &estimate.errors, &inputs))?;
-            let by_inputs = by_inputs * Cholesky::new(estimate.covariance)?.l();
-            Some(WithInputs { minimum, is_corrected: true, by_inputs })
+            let left = Cholesky::new(estimate.covariance)?.l();
+            let record = UncertainRecord { errors: estimate.errors, left, ..record.clone() };
+            let by_inputs = response_to(&minimum, &record)?;
+            Some(WithInputs { minimum, is_corrected: true, by_inputs, record: Some(record) })
         });
-        corrected.unwrap_or_else(|| {
-            let by_inputs = response_to(self, (&self.observed, &Errors::none(&self.observed), &inputs));
-            by_inputs.map_or_else(as_it_is, |by_inputs| WithInputs { by_inputs, ..as_it_is() })
+        corrected.unwrap_or_else(|| match response_to(self, &record) {
+            Some(by_inputs) => {
+                WithInputs { minimum: self.clone(), is_corrected: false, by_inputs, record: Some(record) }
+            }
+            None => exact(),
         })
     }
 }
 
 /// `-(J'J)^-1 J' D`: what one deviation of each input changes of the fitted coordinates; of those on a bound nothing.
-fn response_to(minimum: &Minimum, record: (&Observation, &Errors, &[Input])) -> Option<DMatrix<f64>> {
+fn response_to(minimum: &Minimum, record: &UncertainRecord) -> Option<DMatrix<f64>> {
     let coordinates = minimum.coordinates();
     let theta = coordinates.start();
     let rows = |observed: &Observation| {
         let misfit = near(&coordinates, observed).misfit(&theta)?;
         Some(observed.split(&misfit).into_iter().map(<[f64]>::to_vec).collect())
     };
-    let by_inputs = by_inputs(record, rows)?;
+    let by_inputs = record.change_of(rows)?;
     let moves = |i: &usize| !minimum.on_bound[*i] && minimum.sensitivity_m.column(*i).norm() > 0.0;
     let kept: Vec<usize> = (0..theta.len()).filter(moves).collect();
     let mut response = DMatrix::zeros(theta.len(), by_inputs.ncols());
@@ -310,6 +337,15 @@ impl WithInputs {
     /// place of those of the minimum, `is_of_fit` if they are those of the fit before its record was corrected.
     pub fn assess(&self, given: (&Model, bool), options: AssessmentOptions) -> Option<Assessment> {
         self.minimum.assess_with(Some(given), &self.by_inputs, options)
+    }
+
+    /// Change of rows of the record, wave by wave, by one deviation of each input that is left: one column for each,
+    /// none where the inputs are exact. `None` where one has no finite change.
+    pub(crate) fn change_of(&self, rows: impl Fn(&Observation) -> Option<Vec<Vec<f64>>>) -> Option<DMatrix<f64>> {
+        match &self.record {
+            Some(record) => record.change_of(rows),
+            None => Some(DMatrix::zeros(rows(&self.minimum.observed)?.iter().map(Vec::len).sum(), 0)),
+        }
     }
 }
 

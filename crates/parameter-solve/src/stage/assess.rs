@@ -134,7 +134,7 @@ impl Assessor<'_> {
         let front_mass_uncertainty =
             if of_several && at_minimum && !given { asked.front_mass_uncertainty } else { 0.0 };
         if of_several && at_minimum {
-            uncertain.minimum.widen_by_mass_split(&mut assessment, front_mass_uncertainty);
+            uncertain.widen_by_mass_split(&mut assessment, front_mass_uncertainty);
         }
         assessment.hold(&candidate.model);
         let repeated = match candidate.method {

@@ -9,7 +9,7 @@ use crate::drawing::numbers::ABSENT;
 use crate::phrases::words;
 
 use super::expected::Expected;
-use super::settings::{options_of, settings_of};
+use super::settings::{options_of, programs_of, settings_of};
 use crate::findings::{StageRecord, TestSummary};
 
 /// What two results were made with that is not the same.
@@ -73,7 +73,10 @@ fn test_causes(sides: [&Expected; 2], place: &impl Fn(&str, &str) -> Option<(Str
         _ => ABSENT.to_owned(),
     };
     let fields = before.as_object().into_iter().flat_map(serde_json::Map::keys);
-    let differing = fields.filter(|name| before[*name] != after[*name]);
+    let differs = |name: &str| before[name] != after[name];
+    // Another contact is one cause, whatever rule it was found by.
+    let is_said = |name: &str| name == "time_zero_rule" && differs("time_zero_s");
+    let differing = fields.filter(|name| differs(name) && !is_said(name));
     differing
         .map(|name| Cause {
             place: place("test", name),
@@ -116,8 +119,12 @@ pub fn causes([a, b]: [&Expected; 2], place: impl Fn(&str, &str) -> Option<(Stri
 /// of the stage differs; else as the stage resolved them.
 fn settings([a, b]: [&Expected; 2], place: &impl Fn(&str, &str) -> Option<(String, usize)>) -> Vec<Cause> {
     let stage_of = |name: &str| name.split('.').next().unwrap_or_default().to_owned();
-    let typed = [a, b].map(|side| options_of(&side.options));
-    let typed = differing(&typed);
+    let mut typed = differing(&[a, b].map(|side| options_of(&side.options)));
+    // A stage that only one of both has is one cause, not each of its options.
+    let runs = [a, b].map(|side| side.options.keys().map(|stage| (stage.clone(), "in the chain".to_owned())).collect());
+    let left_out = differing(&runs);
+    typed.retain(|(name, _)| left_out.iter().all(|(stage, _)| *stage != stage_of(name)));
+    typed.extend(left_out);
     let with_typed: BTreeSet<String> = typed.iter().map(|(name, _)| stage_of(name)).collect();
     // Settings of a stage that another program stands in for are not its own.
     let lacks_settings = |side: &Expected, stage: &str| {
@@ -132,18 +139,21 @@ fn settings([a, b]: [&Expected; 2], place: &impl Fn(&str, &str) -> Option<(Strin
         if both_kept && in_a != in_b {
             return false;
         }
-        name.ends_with(".version")
-            || (!with_typed.contains(&stage) && lacks_settings(a, &stage) == lacks_settings(b, &stage))
+        !with_typed.contains(&stage) && lacks_settings(a, &stage) == lacks_settings(b, &stage)
     });
-    let all = resolved.chain(typed.iter().filter(|_| both_kept).cloned());
-    all.map(|(name, [from, to])| match name.strip_suffix(".version") {
-        Some(stage) => Cause { place: place(stage, "program"), ..cause(CauseKind::Program, stage, from, to) },
-        None => {
-            let (stage, key) = name.split_once('.').unwrap_or((&name, ""));
-            Cause { place: place(stage, key), ..cause(CauseKind::Setting, &name, from, to) }
-        }
-    })
-    .collect()
+    let programs = differing(&[a, b].map(|side| programs_of(&side.stages))).into_iter().filter(|(stage, _)| {
+        let [in_a, in_b] = [a, b].map(|side| side.stages.iter().any(|record| record.stage == *stage));
+        !both_kept || in_a == in_b
+    });
+    let programs = programs.map(|(stage, [from, to])| Cause {
+        place: place(&stage, "program"),
+        ..cause(CauseKind::Program, &stage, from, to)
+    });
+    let options = resolved.chain(typed.iter().filter(|_| both_kept).cloned()).map(|(name, [from, to])| {
+        let (stage, key) = name.split_once('.').unwrap_or((&name, ""));
+        Cause { place: place(stage, key), ..cause(CauseKind::Setting, &name, from, to) }
+    });
+    programs.chain(options).collect()
 }
 
 /// What two sides say of names that they do not say the same of.

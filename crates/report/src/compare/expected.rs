@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use crumple_artifact::records::ContactV1;
+use crumple_diff::{CompareSettings, DiffError, rules_of};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::findings::{CandidateSummary, ModelSummary, StageRecord, Summary};
+use crate::findings::{CandidateSummary, ModelSummary, StageRecord, Summary, record_name};
 
 /// What is kept of an accepted run.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
@@ -20,6 +21,9 @@ pub struct Expected {
     pub contact: Option<ContactV1>,
     /// The options of its pipeline by stage, as they were written, and behind `flags` what was typed for the stage.
     pub options: BTreeMap<String, Value>,
+    /// The limits within which its pipeline says that runs are the same.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub limits: BTreeMap<String, Value>,
     /// Programs, settings and content digests of the artifacts.
     pub stages: Vec<StageRecord>,
     /// What people decide by.
@@ -47,7 +51,7 @@ impl Expected {
 
     /// Of a run: what a review compares, and nothing besides.
     pub fn of_run(run: Self) -> Self {
-        let Self { record, contact, options, stages, summary, .. } = run;
+        let Self { record, contact, options, limits, stages, summary, .. } = run;
         let is_named = |id: &String| named(&summary).any(|(_, named)| named == id);
         let kept = |one: &CandidateSummary| if is_named(&one.id) { without_repetitions(one) } else { in_short(one) };
         let kept = Summary {
@@ -79,17 +83,22 @@ impl Expected {
             record,
             contact,
             options,
+            limits,
             stages,
             summary: kept,
             is_summary_alone: false,
         }
     }
 
+    /// These settings with the limits of its pipeline, behind what was typed. Errors: a limit is none.
+    pub fn within(&self, settings: &CompareSettings) -> Result<CompareSettings, DiffError> {
+        let tolerances = settings.tolerances.with_rules(rules_of(&self.limits)?);
+        Ok(CompareSettings { tolerances, ..settings.clone() })
+    }
+
     /// The record with the first characters of its digest.
     pub fn record(&self) -> String {
-        let [name, digest] = &self.record;
-        let digest = digest.split_once(':').map_or(digest.as_str(), |(_, hex)| hex);
-        format!("{name} ({})", digest.get(..8).unwrap_or(digest))
+        record_name(&self.record[0], &self.record[1])
     }
 }
 

@@ -107,8 +107,9 @@ pub fn facts([a, b]: [&Expected; 2], rows: &[&Quantity], settings: &CompareSetti
 }
 
 /// Parts of a summary, those that people look at first in front.
-const PARTS: [&str; 13] = [
+const PARTS: [&str; 14] = [
     "verdict",
+    "limits",
     "test",
     "contact",
     "interval of ",
@@ -186,6 +187,7 @@ fn decided_by([kept, other]: [&Expected; 2], is_earlier: bool) -> Value {
             .collect();
         walked.extend([
             ("verdict".to_owned(), verdict(run)),
+            ("limits".to_owned(), json!(kept.limits)),
             ("simplest".to_owned(), json!(run.simplest)),
             ("closest".to_owned(), json!(run.closest)),
             ("contact".to_owned(), json!(kept.contact.as_ref().filter(|_| with_artifacts))),

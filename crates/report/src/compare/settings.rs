@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::drawing::numbers::ABSENT;
-use crate::findings::StageRecord;
+use crate::findings::{StageRecord, record_name};
 use crate::phrases::PHRASES;
 use serde_json::Value;
 
@@ -20,7 +20,12 @@ pub fn rows(runs: &[ComparedRun]) -> Vec<Row> {
             &texts(&|run| run.run.pipeline.clone().unwrap_or_else(|| ABSENT.to_owned())),
         ),
     ];
-    let settings: Vec<BTreeMap<String, String>> = runs.iter().map(|run| settings_of(&run.run.provenance)).collect();
+    let made_with = |run: &ComparedRun| {
+        let stages = &run.run.provenance;
+        let programs = programs_of(stages).into_iter().map(|(stage, by)| (format!("{stage}.version"), by));
+        programs.chain(settings_of(stages)).collect()
+    };
+    let settings: Vec<BTreeMap<String, String>> = runs.iter().map(made_with).collect();
     let names: BTreeSet<&String> = settings.iter().flat_map(BTreeMap::keys).collect();
     let value = |settings: &BTreeMap<String, String>, name: &str| {
         settings.get(name).cloned().unwrap_or_else(|| ABSENT.to_owned())
@@ -43,16 +48,18 @@ pub fn rows(runs: &[ComparedRun]) -> Vec<Row> {
 /// The file and the first characters of its digest.
 pub fn record_of(run: &ComparedRun) -> String {
     let source = &run.run.test.source;
-    let digest = source.digest.split_once(':').map_or(source.digest.as_str(), |(_, hex)| hex);
-    let digest = digest.get(..8).unwrap_or(digest);
-    if digest.is_empty() { source.name.clone() } else { format!("{} ({digest})", source.name) }
+    record_name(&source.name, &source.digest)
 }
 
-/// `stage.key.key` and the value of every setting, and the version of every stage or the program that stood for it.
+/// The version of every stage, or the program that stood for it.
+pub fn programs_of(stages: &[StageRecord]) -> BTreeMap<String, String> {
+    stages.iter().map(|record| (record.stage.clone(), record.made_by())).collect()
+}
+
+/// `stage.key.key` and the value of every setting.
 pub fn settings_of(stages: &[StageRecord]) -> BTreeMap<String, String> {
     let mut settings = BTreeMap::new();
     for record in stages {
-        settings.insert(format!("{}.version", record.stage), record.made_by());
         if let Ok(value) = serde_json::from_str(&record.settings) {
             flatten(&record.stage, &value, &mut settings);
         }

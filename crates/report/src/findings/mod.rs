@@ -27,4 +27,6 @@ pub use results::run::{
     StageProgram, StageRecord,
 };
 pub use results::{mass_divisions, ranking};
-pub use text::{HEAD, candidate_name, markdown, model_name, parameter, parameter_order, short, words_and_unit};
+pub use text::{
+    HEAD, candidate_name, markdown, model_name, parameter, parameter_order, record_name, short, words_and_unit,
+};

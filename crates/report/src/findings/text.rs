@@ -185,6 +185,14 @@ pub fn short(digest: &str) -> &str {
     hex.get(..DIGEST_SHOWN).unwrap_or(hex)
 }
 
+/// A record by its file, with the start of its digest.
+pub fn record_name(file: &str, digest: &str) -> String {
+    match short(digest) {
+        "" => file.to_owned(),
+        digest => format!("{file} ({digest})"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
 

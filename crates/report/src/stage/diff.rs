@@ -217,7 +217,7 @@ fn run(args: &Args, why: Option<Why>) -> anyhow::Result<ExitStatus> {
     let has_trouble = compared.iter().any(|one| one.trouble().is_some());
     let why = why.filter(|_| args.why && !is_same && !has_trouble);
     // What was compared is said and written whether its change can be divided or not.
-    let divided = why.map(|why| why(&args.a, &args.b, &settings));
+    let divided = why.map(|why| why(&args.a, &args.b, &Side::read(&args.a)?.kept.within(&settings)?));
     let (divided, undivided) = match divided {
         Some(Err(error)) => (None, Some(error)),
         other => (other.transpose()?, None),
@@ -278,9 +278,9 @@ fn compare_pair(
     let [a, b] = [&before.path, &after.path];
     let sides = [Side::read(a)?, Side::read(b)?];
     let with_accepted = sides.iter().any(|side| side.is_kept);
-    if with_accepted {
-        sides.iter().try_for_each(Side::refuse_a_mixture)?;
-    }
+    sides.iter().try_for_each(Side::refuse_a_mixture)?;
+    // What was before says what the same is: a change does not widen its own limits.
+    let settings = &sides[0].kept.within(settings)?;
     let review = Review::new(&name, [&sides[0].kept, &sides[1].kept], settings, |stage, key| place_of(b, stage, key));
     let files = if with_accepted {
         let same = review.is_same();

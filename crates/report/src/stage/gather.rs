@@ -60,7 +60,9 @@ pub fn gather(inputs: &Inputs, pipeline: Option<&Pipeline>) -> anyhow::Result<Ru
     }
     collect_notes(inputs, &mut run)?;
     let found = contradictions(inputs.artifacts(), pipeline);
-    run.remarks = found.iter().map(Contradiction::remark).collect();
+    let program_of = |stage: &str| run.provenance.iter().find(|made| made.stage == stage)?.program.as_ref();
+    let remark = |found: &Contradiction| found.remark(program_of(found.stage).map(|program| &*program.command));
+    run.remarks = found.iter().map(remark).collect();
     run.concerns = concerns(inputs)?;
     let qualities = inputs.records::<QualityV1>("/quality/")?;
     run.clipped = qualities.into_iter().filter(|(_, q)| q.may_be_clipped()).map(|(id, _)| id).collect();

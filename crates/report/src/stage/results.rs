@@ -61,11 +61,15 @@ impl Side {
                 kept.record = [test.source.name, test.source.digest];
                 kept.contact = test.contact;
             }
-            artifacts.push(artifact);
+            if chain().any(|stage| stage.outputs.iter().any(|name| path.ends_with(name))) {
+                artifacts.push(artifact);
+            }
         }
         if let Ok(own) = Pipeline::read(&path.join(Pipeline::OF_A_RUN), None) {
             kept.stages.iter_mut().for_each(|record| record.name_program(&own));
             kept.options = options_of(&own);
+            let limits = own.limits().into_iter().flatten();
+            kept.limits = limits.map(|(pattern, limit)| (pattern.clone(), json!(limit))).collect();
         }
         let of_run = path.join(SUMMARY);
         if of_run.is_file() {
@@ -74,7 +78,7 @@ impl Side {
         Ok(Self { kept, topics, is_kept: false, artifacts })
     }
 
-    /// Errors: its artifacts are of two runs.
+    /// Errors: its artifacts, those named as a run names them, are of two runs.
     pub fn refuse_a_mixture(&self) -> anyhow::Result<()> {
         refuse_a_mixture(&self.artifacts, |artifact| artifact.path().display().to_string())
     }

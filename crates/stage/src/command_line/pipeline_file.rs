@@ -21,8 +21,10 @@ macro_rules! built_in {
 const BUILT_IN: [(&str, &str); 6] =
     built_in!("default" "unfiltered" "two-sensors" "papers/civic" "papers/era" "papers/firefly");
 const DEFAULT: &str = BUILT_IN[0].1;
-/// Keys beside the tables: what a pipeline says of itself.
-const HEADER_KEYS: [&str; 3] = ["title", "description", "base"];
+/// Keys beside the tables of stages: what a pipeline says of itself, and the limits within which its runs are the same.
+const HEADER_KEYS: [&str; 4] = ["title", "description", "base", LIMITS];
+/// The table of those limits.
+const LIMITS: &str = "diff";
 /// What a run adds to the pipeline that it hands to its stages.
 const OF_A_RUN: &str = "run";
 
@@ -109,6 +111,9 @@ impl Pipeline {
         for (key, value) in file {
             match (key.as_str(), value) {
                 (OF_A_RUN, Value::Table(run)) => pipeline.run = run,
+                (LIMITS, value) if !value.is_table() => {
+                    return Err(Usage::new(format!("{}: {LIMITS} is not a table", path.display())).into());
+                }
                 (header, value) if HEADER_KEYS.contains(&header) => {
                     pipeline.header.insert(key, value);
                 }
@@ -242,6 +247,11 @@ impl Pipeline {
     /// The table of a stage.
     pub fn table(&self, stage: &str) -> Option<&Table> {
         self.stages.get(stage).and_then(Value::as_table)
+    }
+
+    /// The limits within which runs of it are the same, as a tolerance file of `crumple diff` has them.
+    pub fn limits(&self) -> Option<&Table> {
+        self.header.get(LIMITS).and_then(Value::as_table)
     }
 
     /// Keys of a stage that came from the default pipeline, below this one; none if it stands alone.

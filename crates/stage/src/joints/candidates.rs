@@ -113,9 +113,9 @@ pub(crate) fn total_mass(candidate: &CandidateV1) -> Option<f64> {
 fn masses_of_another_vehicle(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some(artifact) = parts.of("parameter-solve") else { return Vec::new() };
     let Some(mass_kg) = record::<TestV1>(artifact, "/test").and_then(|test| test.mass_kg) else { return Vec::new() };
-    let mut of_candidates = records::<CandidateV1>(artifact, "/parameters/").filter_map(|(id, candidate)| {
-        let total = total_mass(&candidate)?;
-        ((total - mass_kg).abs() > 5e-3 * mass_kg).then(|| (id.to_owned(), total))
+    let mut of_candidates = parts.candidates().iter().filter_map(|(id, candidate)| {
+        let total = total_mass(candidate)?;
+        ((total - mass_kg).abs() > 5e-3 * mass_kg).then(|| ((*id).to_owned(), total))
     });
     let Some((id, total)) = of_candidates.next() else { return Vec::new() };
     let others = match of_candidates.count() {
@@ -128,8 +128,7 @@ fn masses_of_another_vehicle(parts: &RunParts<'_>) -> Vec<Finding> {
 }
 
 fn parameter_outside(parts: &RunParts<'_>) -> Vec<Finding> {
-    let Some(artifact) = parts.of("parameter-solve") else { return Vec::new() };
-    for (id, candidate) in records::<CandidateV1>(artifact, "/parameters/") {
+    for (id, candidate) in parts.candidates() {
         let Some(uncertainty) = &candidate.uncertainty else { continue };
         // A value on a bound of its search is beside the least misfit, which its interval is of.
         let bounds = candidate.fit.as_ref().map_or(&[][..], |fit| &fit.active_bounds);
@@ -141,7 +140,7 @@ fn parameter_outside(parts: &RunParts<'_>) -> Vec<Finding> {
             if is_outside(*value, low, high) {
                 let text = format!("{name} of {id} is {value:.4e}, its interval {low:.4e} to {high:.4e}");
                 let values = vec![("value", *value), ("low", low), ("high", high)];
-                return vec![Finding { stage: "parameter-solve", about: About::Model(id.to_owned()), values, text }];
+                return vec![Finding { stage: "parameter-solve", about: About::Model((*id).to_owned()), values, text }];
             }
         }
     }
@@ -180,7 +179,7 @@ fn simulated_crush_differs(parts: &RunParts<'_>) -> Vec<Finding> {
             at_m * 1e3
         );
         let values = vec![("simulated_m", crush_m), ("curve_m", at_m)];
-        return vec![Finding { stage: "simulate", about: About::Model(id.to_owned()), values, text }];
+        return vec![Finding { stage: "simulate", about: About::Model((*id).to_owned()), values, text }];
     }
     Vec::new()
 }
@@ -203,7 +202,7 @@ fn recommended_misses_its_test(parts: &RunParts<'_>) -> Vec<Finding> {
             tested_m * 1e3
         );
         let values = vec![("tested_m", tested_m)];
-        return vec![Finding { stage: "parameter-solve", about: About::Model(id.to_owned()), values, text }];
+        return vec![Finding { stage: "parameter-solve", about: About::Model((*id).to_owned()), values, text }];
     };
     if (crush_m - tested_m).abs() <= ADEQUATE * tested_m.abs() {
         return Vec::new();
@@ -214,7 +213,7 @@ fn recommended_misses_its_test(parts: &RunParts<'_>) -> Vec<Finding> {
         tested_m * 1e3
     );
     let values = vec![("simulated_m", crush_m), ("tested_m", tested_m)];
-    vec![Finding { stage: "parameter-solve", about: About::Model(id.to_owned()), values, text }]
+    vec![Finding { stage: "parameter-solve", about: About::Model((*id).to_owned()), values, text }]
 }
 
 /// Share of a simulated crush that its evaluation may be beside it: both are of one exact motion, and other programs
@@ -233,8 +232,9 @@ fn evaluated_with_others(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some(tested_m) = tested_crush_m(parts) else { return Vec::new() };
     let choice = record::<RecommendationV1>(solved, "/recommendation").unwrap_or_default();
     let rated = |id: &str| choice.candidates.iter().find(|rated| rated.id == id)?.crush_error;
-    let candidates = records::<CandidateV1>(solved, "/parameters/").filter_map(|(id, candidate)| {
-        let crush_error = candidate.evaluation.and_then(|evaluation| evaluation.crush_error).or_else(|| rated(id))?;
+    let candidates = parts.candidates().iter().filter_map(|(id, candidate)| {
+        let evaluation = candidate.evaluation.as_ref();
+        let crush_error = evaluation.and_then(|evaluation| evaluation.crush_error).or_else(|| rated(id))?;
         let evaluated_m = tested_m * (1.0 + crush_error);
         let simulation: SimulationV1 = record(simulated, &format!("/simulation/{id}"))?;
         let simulated_m = simulation.dynamic_crush_m.filter(|_| simulation.drive.is_none())?;
@@ -247,7 +247,7 @@ fn evaluated_with_others(parts: &RunParts<'_>) -> Vec<Finding> {
         simulated_m * 1e3
     );
     let values = vec![("evaluated_m", evaluated_m), ("simulated_m", simulated_m)];
-    vec![Finding { stage: "simulate", about: About::Model(id.to_owned()), values, text }]
+    vec![Finding { stage: "simulate", about: About::Model((*id).to_owned()), values, text }]
 }
 
 fn of_nobody(parts: &RunParts<'_>) -> Vec<Finding> {

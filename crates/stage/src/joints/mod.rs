@@ -10,11 +10,12 @@ pub mod models;
 pub mod motion;
 pub mod predictions;
 
+use std::cell::OnceCell;
 use std::cmp::Reverse;
 use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
 
-use crumple_artifact::records::{RemarkV1, TestV1};
+use crumple_artifact::records::{CandidateV1, RemarkV1, TestV1};
 use crumple_artifact::{Artifact, Record};
 use crumple_signal::{About, Sampled, Weight};
 
@@ -73,15 +74,17 @@ struct Joint {
     rows: &'static [Invariant],
     /// Stages whose artifacts the rows look at, where they are there.
     looks_at: &'static [&'static str],
+    /// Table of the pipeline that the rows ask for what was wanted.
+    asks: Option<&'static str>,
 }
 
 /// Every joint, in the order of the chain.
 static JOINTS: [Joint; 5] = [
-    Joint { rows: &filtering::ROWS, looks_at: &["ingest", "filter"] },
-    Joint { rows: &motion::ROWS, looks_at: &["ingest", "filter", "integrate"] },
-    Joint { rows: &models::ROWS, looks_at: &["identify"] },
-    Joint { rows: &candidates::ROWS, looks_at: &["integrate", "parameter-solve", "simulate", "predict"] },
-    Joint { rows: &predictions::ROWS, looks_at: &["integrate", "parameter-solve", "predict"] },
+    Joint { rows: &filtering::ROWS, looks_at: &["ingest", "filter"], asks: None },
+    Joint { rows: &motion::ROWS, looks_at: &["ingest", "filter", "integrate"], asks: None },
+    Joint { rows: &models::ROWS, looks_at: &["identify"], asks: None },
+    Joint { rows: &candidates::ROWS, looks_at: &["integrate", "parameter-solve", "simulate", "predict"], asks: None },
+    Joint { rows: &predictions::ROWS, looks_at: &["integrate", "parameter-solve", "predict"], asks: Some("predict") },
 ];
 
 /// Every row, in the order of the chain.
@@ -98,7 +101,7 @@ pub fn invariant(code: &str) -> Option<&'static Invariant> {
 /// chain. `pipeline` says what was asked for, where it is known.
 pub fn contradictions(artifacts: &[Artifact], pipeline: Option<&Pipeline>) -> Vec<Contradiction> {
     let artifacts = artifacts.iter().filter_map(|a| Some((stage_of(a)?, a))).collect();
-    let parts = RunParts { artifacts, pipeline };
+    let parts = RunParts { artifacts, pipeline, candidates: OnceCell::new() };
     let mut found: Vec<Contradiction> = JOINTS.iter().flat_map(|joint| joint.contradictions(&parts)).collect();
     found.sort_by_key(|c| (!c.ends_the_run, Reverse(c.weight.number()), stage_order(Some(c.stage))));
     found
@@ -137,7 +140,7 @@ impl Joint {
     fn seen(&self, parts: &RunParts<'_>) -> String {
         let looked_at = parts.artifacts.iter().filter(|(stage, _)| self.looks_at.contains(stage));
         let digests = looked_at.map(|(stage, artifact)| format!("{stage} {} ", artifact.digest()));
-        let asked = parts.pipeline.and_then(|pipeline| pipeline.table("predict"));
+        let asked = self.asks.and_then(|table| parts.pipeline?.table(table));
         format!("{}{}{asked:?}", self.rows[0].code, digests.collect::<String>())
     }
 }
@@ -159,15 +162,15 @@ impl Contradiction {
         format!("{how}: {}: {} [{}]\n  hint: {}", self.file(artifacts), self.text, self.code, self.remedy)
     }
 
-    /// As a warning of a run, which a program reads by its code.
-    pub fn remark(&self) -> RemarkV1 {
+    /// As a warning of a run, which a program reads by its code. A program from elsewhere that wrote it is named.
+    pub fn remark(&self, program: Option<&str>) -> RemarkV1 {
         RemarkV1 {
             code: self.code.to_owned(),
             stage: self.stage.to_owned(),
             about: self.about.to_string(),
             weight: self.weight.number(),
             values: self.values.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect(),
-            text: self.text.clone(),
+            text: program.map_or_else(|| self.text.clone(), |by| format!("{}; written by {by}", self.text)),
             remedy: Some(self.remedy.to_owned()),
         }
     }
@@ -191,9 +194,17 @@ pub(crate) struct RunParts<'a> {
     artifacts: Vec<(&'static str, &'a Artifact)>,
     /// What was asked for, where it is known.
     pipeline: Option<&'a Pipeline>,
+    /// Those of parameter-solve with their ids, decoded once.
+    candidates: OnceCell<Vec<(&'a str, CandidateV1)>>,
 }
 
 impl<'a> RunParts<'a> {
+    /// The candidates of parameter-solve, by their ids.
+    fn candidates(&self) -> &[(&'a str, CandidateV1)] {
+        let read = || self.of("parameter-solve").map_or_else(Vec::new, |of| records(of, "/parameters/").collect());
+        self.candidates.get_or_init(read)
+    }
+
     /// That of a stage.
     fn of(&self, stage: &str) -> Option<&'a Artifact> {
         self.artifacts.iter().find(|(name, _)| *name == stage).map(|(_, artifact)| *artifact)

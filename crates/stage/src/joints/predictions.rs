@@ -169,24 +169,25 @@ fn contradicts_itself(parts: &RunParts<'_>) -> Vec<Finding> {
     let predictions: Vec<(&str, PredictionV1)> = records(artifact, "/prediction/").collect();
     let against_the_wall = predictions.iter().filter(|(_, prediction)| prediction.partner.is_none());
     let alone = against_the_wall.filter_map(|(number, prediction)| {
-        let (what, says, of) = within_one(prediction)?;
-        let text = format!("{what} of prediction {number} is {says:.4}, its other numbers give {of:.4}");
+        let ((what, unit), says, of) = within_one(prediction)?;
+        let text =
+            format!("the {what} of prediction {number} is {says:.4} {unit}, its other numbers give {of:.4} {unit}");
         Some(Finding { stage: "predict", about: About::Predictions, values: vec![("says", says), ("of", of)], text })
     });
     alone.chain(falls_with_speed(&predictions)).take(1).collect()
 }
 
 /// What a prediction says, and what follows from its other numbers.
-fn within_one(prediction: &PredictionV1) -> Option<(&'static str, f64, f64)> {
+fn within_one(prediction: &PredictionV1) -> Option<((&'static str, &'static str), f64, f64)> {
     let (speed, mass_kg) = (prediction.impact_speed_m_per_s, prediction.mass_kg);
     let change = prediction.delta_v_m_per_s.zip(prediction.coefficient_of_restitution);
-    let change = change.map(|(change, restitution)| ("delta_v_m_per_s", change, speed * (1.0 + restitution)));
+    let change = change.map(|(change, restitution)| (("delta-v", "m/s"), change, speed * (1.0 + restitution)));
     let energy = prediction.energy.as_ref().map(|energy| energy.kinetic_at_impact_j);
-    let energy = energy.map(|joule| ("kinetic_at_impact_j", joule, 0.5 * mass_kg * speed * speed));
+    let energy = energy.map(|joule| (("kinetic energy at impact", "J"), joule, 0.5 * mass_kg * speed * speed));
     let crush = prediction.dynamic_crush_m.zip(prediction.time_of_dynamic_crush_s);
     // No structure is crushed by more than the way of the vehicle.
-    let crush = crush.map(|(crush_m, time_s)| ("dynamic_crush_m", crush_m, crush_m.min(speed * time_s)));
-    let differs = |(_, says, of): &(&str, f64, f64)| (says - of).abs() > ROUNDED * says.abs().max(of.abs());
+    let crush = crush.map(|(crush_m, time_s)| (("dynamic crush", "m"), crush_m, crush_m.min(speed * time_s)));
+    let differs = |(_, says, of): &((&str, &str), f64, f64)| (says - of).abs() > ROUNDED * says.abs().max(of.abs());
     [change, energy, crush].into_iter().flatten().find(differs)
 }
 

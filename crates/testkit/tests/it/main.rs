@@ -18,6 +18,7 @@ mod kits;
 mod known_truth_chain;
 mod main_job;
 mod page;
+mod pairs;
 mod paper_pipelines;
 mod schemas;
 mod swapped;
