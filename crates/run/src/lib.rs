@@ -28,6 +28,7 @@ mod folder {
 mod messages;
 mod names;
 mod program;
+mod recipe;
 mod run;
 mod steps;
 mod table;
