@@ -19,6 +19,7 @@ mod known_truth_chain;
 mod main_job;
 mod page;
 mod paper_pipelines;
+mod passport;
 mod schemas;
 mod swapped;
 mod together;
