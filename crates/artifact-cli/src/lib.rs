@@ -19,4 +19,4 @@ pub use plain::{
     plain_records, plain_waves,
 };
 pub use show::{ShowOptions, StageNotes, Wanted, write_json, write_text};
-pub use stage::PROGRAM;
+pub use stage::{CheckPassport, PROGRAM, PassportCheck, artifact};

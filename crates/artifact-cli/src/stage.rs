@@ -17,7 +17,7 @@ use crumple_artifact::{
 use crumple_signal::value::Length;
 use crumple_stage::joints::{Contradiction, Invariant, contradictions, invariant, invariants};
 use crumple_stage::{
-    ExitStatus, Pipeline, Program, Refused, Usage, artifacts_of_a_run, chain, columns, keep_budget, labelled,
+    Call, ExitStatus, Pipeline, Program, Refused, Usage, artifacts_of_a_run, chain, columns, keep_budget, labelled,
     load_artifacts, nearest, printable, program, refuse_a_mixture, refuse_to_overwrite, results_of_an_earlier_run,
     run_tool, say, to_stdout, unknown_name, wrapped,
 };
@@ -76,8 +76,17 @@ enum Command {
     /// what they say contradicts itself, or each other in a run.
     Check {
         /// Folders of runs, or artifacts.
-        #[arg(required = true, value_name = "RUN|FILE")]
+        #[arg(required_unless_present = "passport", value_name = "RUN|FILE")]
         files: Vec<PathBuf>,
+        /// Run again what `crumple passport` wrote, and compare: exit code 0 equal, 1 not equal, 3 refused.
+        #[arg(long, value_name = "FOLDER|FILE.zip", conflicts_with = "files")]
+        passport: Option<PathBuf>,
+        /// The record of the passport, where that does not hold it.
+        #[arg(long, value_name = "RECORD", requires = "passport")]
+        record: Option<PathBuf>,
+        /// Program of a stage that the run of the passport has from elsewhere: `filter="python3 my.py"`. Several.
+        #[arg(long, value_name = "STAGE=COMMAND", requires = "passport")]
+        stage: Vec<String>,
     },
     /// Prints what the code behind a warning or an error means, such as CR203: what was found, how it is decided, what
     /// it means, what to do.
@@ -130,17 +139,41 @@ enum Command {
     },
 }
 
-/// The program.
-pub const PROGRAM: Program = Program::of_tool::<Args>("artifact", |call| run_tool(call, run));
+/// What is asked of a passport: its crate, the record, the programs that stand for stages.
+#[derive(Debug, Clone)]
+pub struct PassportCheck {
+    /// Folder, or zip archive.
+    pub passport: PathBuf,
+    /// The record, where it is not in the crate.
+    pub record: Option<PathBuf>,
+    /// `filter=python3 my.py`.
+    pub stages: Vec<String>,
+}
 
-fn run(args: Args) -> anyhow::Result<ExitStatus> {
+/// Runs a passport again.
+pub type CheckPassport = fn(&PassportCheck) -> anyhow::Result<ExitStatus>;
+
+/// The program.
+pub const PROGRAM: Program = Program::of_tool::<Args>("artifact", |call| artifact(call, None));
+
+/// The program, with what can run the chain again.
+pub fn artifact(call: &Call, check_passport: Option<CheckPassport>) -> ExitStatus {
+    run_tool(call, |args| run(args, check_passport))
+}
+
+fn run(args: Args, check_passport: Option<CheckPassport>) -> anyhow::Result<ExitStatus> {
     match args.command {
         Command::Show { file, topic, samples, json } => {
             show(&file, &ShowOptions { topics: Wanted(topic), samples }, json)
         }
         Command::Notes { paths } => notes(&paths),
         Command::Curve { file, candidate, format, to } => curve(&file, candidate.as_deref(), format, to),
-        Command::Check { files } => check_files(&files),
+        Command::Check { passport: Some(passport), record, stage, .. } => {
+            let problem = "--passport runs the chain, which this program alone cannot";
+            let check = check_passport.ok_or_else(|| Usage::new(problem).hint("crumple check --passport FILE.zip"))?;
+            check(&PassportCheck { passport, record, stages: stage })
+        }
+        Command::Check { files, .. } => check_files(&files),
         Command::Explain { words } => explain(&words),
         Command::Unpack { file, folder, text, force, quiet } => {
             let form = if text { SampleForm::Text } else { SampleForm::Bytes };

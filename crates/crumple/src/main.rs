@@ -57,6 +57,8 @@ static OTHERS: &[Program] = &[
     crumple_run::EXPORT,
     #[cfg(feature = "run")]
     crumple_run::VIEW,
+    #[cfg(feature = "run")]
+    crumple_run::PASSPORT,
     crumple_report::COMPARE,
     crumple_report::INDEX,
     #[cfg(feature = "run")]
@@ -64,8 +66,14 @@ static OTHERS: &[Program] = &[
     #[cfg(not(feature = "run"))]
     crumple_report::DIFF,
     crumple_report::ACCEPT,
-    crumple_artifact_cli::PROGRAM,
+    ARTIFACT,
 ];
+
+/// `artifact`, whose `check` runs a passport again where this program holds the chain.
+#[cfg(feature = "run")]
+const ARTIFACT: Program = crumple_run::ARTIFACT;
+#[cfg(not(feature = "run"))]
+const ARTIFACT: Program = crumple_artifact_cli::PROGRAM;
 
 /// What a word in front of all others adds: the help of a program, the completion script of a shell.
 const FIRST: [(&str, &str); 2] = [("help", "--help"), ("completions", "--generate")];
@@ -105,7 +113,7 @@ fn of_words(mut words: Vec<OsString>) -> ExitStatus {
         return of_words(words);
     }
     if OF_ARTIFACT.contains(&first.as_str()) {
-        return (crumple_artifact_cli::PROGRAM.run)(&within("crumple", words));
+        return (ARTIFACT.run)(&within("crumple", words));
     }
     if let Some(program) = program(&first) {
         words.remove(0);
@@ -131,7 +139,7 @@ fn in_a_line(command: Command) -> Command {
 
 impl CommandFactory for All {
     fn command() -> Command {
-        let artifact = (crumple_artifact_cli::PROGRAM.command)();
+        let artifact = (ARTIFACT.command)();
         let of_artifact = artifact.get_subcommands().filter(|command| OF_ARTIFACT.contains(&command.get_name()));
         let commands = programs().map(|program| (program.command)().name(program.name)).chain(of_artifact.cloned());
         Command::new("crumple")

@@ -44,7 +44,7 @@ mod time;
 pub(crate) use error::{GAPS_ARE_NOT_FILLED, Place, check_size, refuse, refuse_channel, refuse_path, refuse_size};
 pub use error::{IngestError, Refusal, Result};
 pub use files::digests::RecordDigests;
-pub use formats::reader::{Bundle, LargeFile, NamedBytes, OpenFrom, Reader, ShowProgress};
+pub use formats::reader::{Bundle, FILE_LIMIT, LargeFile, NamedBytes, OpenFrom, Reader, ShowProgress};
 pub use formats::registry::READERS;
 pub use ingest::{Ingested, ingest};
 pub use listing::{ListedChannel, list};

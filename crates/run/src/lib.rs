@@ -27,7 +27,19 @@ mod folder {
 }
 mod messages;
 mod names;
+mod passport {
+    //! The passport of a run: a Workflow Run RO-Crate with digests of what it was made from and made, and its check.
+
+    pub mod asked;
+    pub mod check;
+    pub mod contents;
+    pub mod crate_files;
+    pub mod metadata;
+    pub mod program;
+    pub mod record;
+}
 mod program;
+mod recipe;
 mod run;
 mod steps;
 mod table;
@@ -64,6 +76,15 @@ pub const STUDY: Program = Program::of_tool::<fleet::StudyOptions>("study", |cal
 /// `crumple-export`: a run as tables.
 pub const EXPORT: Program =
     Program::of_tool::<export::program::ExportOptions>("export", |call| run_tool(call, export::program::export));
+/// `crumple-passport`: what a run was made from and what it made, for others to run again.
+pub const PASSPORT: Program = Program::of_tool::<passport::program::PassportOptions>("passport", |call| {
+    run_tool(call, passport::program::passport)
+});
+/// `crumple-artifact`, which can run a passport again.
+pub const ARTIFACT: Program = Program {
+    run: |call| crumple_artifact_cli::artifact(call, Some(passport::check::check)),
+    ..crumple_artifact_cli::PROGRAM
+};
 /// `crumple-diff`, which can run the chain again.
 pub const DIFF: Program = Program { run: |call| crumple_report::diff(call, Some(why::why)), ..crumple_report::DIFF };
 /// `crumple-view`: a run as a recording for viewers.

@@ -109,7 +109,7 @@ pub(crate) fn digest_of(path: &Path) -> Option<String> {
 }
 
 /// Programs of the project that are no stages.
-const NO_STAGES: [&str; 7] = ["run", "together", "fleet", "study", "export", "view", "artifact"];
+const NO_STAGES: [&str; 8] = ["run", "together", "fleet", "study", "export", "view", "passport", "artifact"];
 
 /// Whose program of the project a command names.
 enum Named {

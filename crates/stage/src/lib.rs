@@ -30,7 +30,7 @@ mod typed;
 pub use artifacts::inputs::{Inputs, Loaded, Tests, load_artifacts, load_tests, refuse_a_mixture};
 pub use artifacts::output::{Output, artifacts_of_a_run, refuse_to_overwrite, results_of_an_earlier_run};
 pub use chain_table::{MassOfTable, NumberOfTable, TakenNumbers, read_chain, total_mass_remark, typed};
-pub use command_line::args::{keep_budget, memory_limit_flag};
+pub use command_line::args::{is_shared_flag, keep_budget, memory_limit_flag};
 pub use command_line::left_out::LeftOut;
 pub use command_line::pipeline::pipeline_table;
 pub use command_line::pipeline_file::Pipeline;

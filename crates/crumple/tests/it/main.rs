@@ -9,13 +9,14 @@ use std::process::{Command, Output};
 const CRUMPLE: &str = env!("CARGO_BIN_EXE_crumple");
 
 /// Every word that stands for a program, and those behind one.
-const WORDS: [&str; 31] = [
+const WORDS: [&str; 32] = [
     "run",
     "together",
     "fleet",
     "study",
     "export",
     "view",
+    "passport",
     "compare",
     "index",
     "diff",

@@ -10,10 +10,10 @@ use std::thread;
 
 use anyhow::Context;
 use crumple_report::{CompareSettings, Divided, DividedNumber, Group, Quantity, Summary, quantities};
-use crumple_stage::{ExitStatus, Pipeline, Usage, chain, variable_of};
+use crumple_stage::{ExitStatus, Pipeline, Usage, chain};
 
-use crate::program::own_command;
-use causes::{Causes, Recipe, made_from};
+use crate::recipe::{Recipe, made_from};
+use causes::Causes;
 use shapley::shares;
 
 /// Causes that are told apart: all their sets come to 2^4 runs, two of which are made already.
@@ -117,11 +117,7 @@ impl Sets<'_> {
         let recipe = self.causes.mixed(self.a, self.b, set);
         let file = self.folder.path().join(format!("set-{set}.toml"));
         fs::write(&file, recipe.pipeline.to_string())?;
-        let mut command = own_command("run");
-        chain().for_each(|stage| _ = command.env_remove(variable_of(stage.name)));
-        command.arg("--pipeline").arg(&file).arg("--out").arg(&folder).args(["-q", "--flags", &recipe.of_all]);
-        recipe.commands().for_each(|typed| _ = command.arg("--stage").arg(typed));
-        command.arg(&recipe.record).args(recipe.flags.get("ingest").into_iter().flatten().flatten());
+        let mut command = recipe.typed.run(Path::new("."), file.as_os_str(), &recipe.record, &folder);
         let ended = command.output().context("cannot start the run of a cause")?;
         let has_result = [ExitStatus::Done, ExitStatus::NoAcceptableResult].map(|status| Some(i32::from(status as u8)));
         if !has_result.contains(&ended.status.code()) {

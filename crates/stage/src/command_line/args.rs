@@ -56,6 +56,16 @@ pub struct SharedFlags {
     pub compress: Compress,
 }
 
+/// Whether a flag, `--output` or `-o`, is one that every stage has: where it reads and writes, what it prints.
+pub fn is_shared_flag(flag: &str) -> bool {
+    let command = with_flag(<SharedFlags as clap::Args>::augment_args(Command::new("")));
+    let is_it = |arg: &Arg| match flag.strip_prefix("--") {
+        Some(long) => arg.get_long() == Some(long),
+        None => arg.get_short().is_some_and(|short| flag.strip_prefix('-') == Some(&*short.to_string())),
+    };
+    command.get_arguments().any(is_it)
+}
+
 /// Compression of an artifact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Compress {
@@ -235,6 +245,12 @@ mod tests {
     fn amounts_of_memory_print_in_the_largest_unit_that_fits() {
         let text = |bytes| MemorySize(bytes).to_string();
         assert_eq!([text(512 << 20), text(3 << 29), text(100)], ["512 MiB", "1.5 GiB", "0.1 KiB"]);
+    }
+
+    #[test]
+    fn flags_of_every_stage_are_known() {
+        let flags = ["--output", "-o", "--dependent", "--memory-limit", "--cfc", "-x", "cfc"];
+        assert_eq!(flags.map(is_shared_flag), [true, true, true, true, false, false, false]);
     }
 
     #[test]

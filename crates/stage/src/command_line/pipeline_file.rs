@@ -264,7 +264,7 @@ impl Pipeline {
     }
 
     /// The file that the pipeline was read from, for messages.
-    pub(crate) fn file(&self) -> String {
+    pub fn file(&self) -> String {
         let noted = self.run.get("file").and_then(Value::as_str).map(str::to_owned);
         noted.unwrap_or_else(|| self.path.display().to_string())
     }

@@ -20,6 +20,7 @@ mod main_job;
 mod page;
 mod pairs;
 mod paper_pipelines;
+mod passport;
 mod schemas;
 mod swapped;
 mod together;
