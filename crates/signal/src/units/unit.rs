@@ -75,28 +75,66 @@ use Dimension::{Area, Damping, Frequency, Mass, Share, Signal, Stiffness, Time};
 use QuantityKind as Q;
 
 /// `(spellings, dimension, factor to SI)`. The first spelling is the usual one.
-/// Spellings are compared without blanks and marks of powers; letters keep their case where two units differ by it.
+/// Spellings are compared as [`squeeze`] writes them; letters keep their case where two units differ by it.
 const UNITS: &[(&[&str], Dimension, f64)] = &[
     (
-        &["m/s^2", "m/s/s", "m/(s*s)", "m/(s^2)", "m/sec^2", "meters/sec^2", "m.s-2", "m·s-2", "m·s⁻²", "ms-2"],
+        &["m/s^2", "meters/s^2", "metres/s^2", "meter/s^2", "metre/s^2", "m s-2", "mps2", "mpss"],
         Signal(Q::Acceleration),
         1.0,
     ),
-    (&["g", "G", "g's", "G'S", "gs", "Gs", "g0", "gn", "grav"], Signal(Q::Acceleration), STANDARD_GRAVITY_M_PER_S2),
-    (&["mg"], Signal(Q::Acceleration), 1e-3 * STANDARD_GRAVITY_M_PER_S2),
-    (&["kilo-g", "kG", "kilog"], Signal(Q::Acceleration), 1e3 * STANDARD_GRAVITY_M_PER_S2),
+    (
+        &[
+            "g",
+            "G",
+            "g's",
+            "G'S",
+            "G's",
+            "gs",
+            "Gs",
+            "g0",
+            "gn",
+            "g_n",
+            "G_n",
+            "grav",
+            "gee",
+            "gees",
+            "g-force",
+            "G-force",
+            "G-Force",
+            "G-FORCE",
+            "gforce",
+            "GForce",
+            "Gforce",
+            "gravity",
+            "standard gravity",
+        ],
+        Signal(Q::Acceleration),
+        STANDARD_GRAVITY_M_PER_S2,
+    ),
+    (
+        &["mg", "milli-g", "milli-G", "millig", "milliG", "mgn", "mg_n"],
+        Signal(Q::Acceleration),
+        1e-3 * STANDARD_GRAVITY_M_PER_S2,
+    ),
+    (&["ug", "µg", "μg", "micro-g", "microg"], Signal(Q::Acceleration), 1e-6 * STANDARD_GRAVITY_M_PER_S2),
+    (
+        &["kilo-g", "kilo-G", "kG", "kilog", "kiloG", "kgn", "kg_n"],
+        Signal(Q::Acceleration),
+        1e3 * STANDARD_GRAVITY_M_PER_S2,
+    ),
     (&["mm/s^2"], Signal(Q::Acceleration), 1e-3),
     (&["cm/s^2", "Gal", "gal"], Signal(Q::Acceleration), 1e-2),
-    (&["ft/s^2"], Signal(Q::Acceleration), FOOT_M),
-    (&["in/s^2"], Signal(Q::Acceleration), INCH_M),
+    (&["mGal", "mgal", "milligal"], Signal(Q::Acceleration), 1e-5),
+    (&["ft/s^2", "feet/s^2", "foot/s^2", "fps2", "fpss", "ft s-2"], Signal(Q::Acceleration), FOOT_M),
+    (&["in/s^2", "inch/s^2", "inches/s^2", "ips2", "ipss", "in s-2"], Signal(Q::Acceleration), INCH_M),
     // Sets of units of simulations: ms, mm, kg; and ms, m, kg.
-    (&["mm/ms^2", "mm/ms/ms", "mm/(ms^2)", "mm/(ms*ms)"], Signal(Q::Acceleration), 1e3),
-    (&["m/ms^2", "m/ms/ms", "m/(ms^2)", "m/(ms*ms)"], Signal(Q::Acceleration), 1e6),
-    (&["m/s", "m\\s", "mps", "m/sec", "mm/ms"], Signal(Q::Velocity), 1.0),
-    (&["km/h", "km\\h", "kph", "kmh", "kmph", "KMH"], Signal(Q::Velocity), 1.0 / 3.6),
+    (&["mm/ms^2"], Signal(Q::Acceleration), 1e3),
+    (&["m/ms^2"], Signal(Q::Acceleration), 1e6),
+    (&["m/s", "m\\s", "mps", "mm/ms", "m s-1", "meters/s", "metres/s"], Signal(Q::Velocity), 1.0),
+    (&["km/h", "km\\h", "kph", "kmh", "kmph", "KMH", "km/hr"], Signal(Q::Velocity), 1.0 / 3.6),
     (&["mph", "MPH", "mi/h"], Signal(Q::Velocity), MILE_M / 3600.0),
     (&["mm/s"], Signal(Q::Velocity), 1e-3),
-    (&["ft/s"], Signal(Q::Velocity), FOOT_M),
+    (&["ft/s", "fps", "feet/s"], Signal(Q::Velocity), FOOT_M),
     (&["m", "metre", "meter", "metres", "meters"], Signal(Q::Displacement), 1.0),
     (&["cm"], Signal(Q::Displacement), 1e-2),
     (&["mm", "MM"], Signal(Q::Displacement), 1e-3),
@@ -149,10 +187,47 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     (&["mm2"], Area, 1e-6),
 ];
 
-/// Without blanks, and powers in one spelling: `m/s²`, `m/s^2` and `m/s**2` are `m/s2`.
+/// Without blanks and marks of products, powers in one spelling: `m/s²`, `m/s^2`, `m/s**2`, `m/sec/sec` and `m/(s*s)`
+/// are `m/s2`, `m·s⁻²` is `ms-2`, `g’s` is `g's`.
 fn squeeze(text: &str) -> String {
-    let plain = text.replace("**", "").replace('²', "2");
-    plain.chars().filter(|c| !c.is_whitespace() && *c != '^').collect()
+    let plain = text.chars().filter(|c| !c.is_whitespace() && !matches!(c, '^' | '*' | '·' | '⋅' | '.'));
+    let plain = plain.map(|c| match c {
+        '⁻' | '−' => '-',
+        '¹' => '1',
+        '²' => '2',
+        '’' | '`' | '´' => '\'',
+        c => c,
+    });
+    let mut plain: String = plain.collect();
+    for (spelling, usual) in [
+        ("/seconds", "/s"),
+        ("/second", "/s"),
+        ("/sec", "/s"),
+        ("/msec", "/ms"),
+        ("/s/s", "/s2"),
+        ("/(ss)", "/s2"),
+        ("/(s2)", "/s2"),
+        ("/ms/ms", "/ms2"),
+        ("/(msms)", "/ms2"),
+        ("/(ms2)", "/ms2"),
+    ] {
+        plain = plain.replace(spelling, usual);
+    }
+    plain
+}
+
+/// The units that a word may stand for that is none of them: those that its letters begin or contain, or that it
+/// misses by one letter. For messages: `"milli-gee"` is near `mg`.
+pub fn near(symbol: &str, dimension: Dimension) -> Vec<&'static str> {
+    let word = squeeze(symbol).to_lowercase();
+    let letters = |text: &str| text.chars().filter(|c| c.is_alphanumeric()).collect::<String>();
+    let word = letters(&word);
+    let is_near = |spelling: &&&str| {
+        let own = letters(&squeeze(spelling).to_lowercase());
+        own == word || (own.len() > 2 && (word.contains(&own) || own.contains(&word) && word.len() > 2))
+    };
+    let of = UNITS.iter().filter(|(_, d, _)| *d == dimension);
+    of.filter(|(spellings, ..)| spellings.iter().any(|s| is_near(&s))).map(|(spellings, ..)| spellings[0]).collect()
 }
 
 fn is_among(spellings: &[&str], squeezed: &str) -> bool {

@@ -4,13 +4,16 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crumple_signal::iso13499::wildcard;
+use crumple_signal::unit::near;
 use crumple_signal::{About, Channel, Notes, QuantityKind, Sampled, SignalError, Weight};
 
 use crate::formats::iso13499;
 use crate::formats::table::header::{Column, TableHeader};
 use crate::formats::table::numbers::Rows;
 use crate::formats::table::time_axis::TimeAxis;
-use crate::formats::text::column_names::{Unit, axis, cfc, names_acceleration, names_velocity_change, stated_factor};
+use crate::formats::text::column_names::{
+    ACCELERATION, Unit, axis, cfc, names_acceleration, names_velocity_change, stated_unit,
+};
 use crate::formats::waveform::channel;
 use crate::recording::content::{Fitness, Ids, ReadChannel, list};
 use crate::recording::details::Stated;
@@ -38,11 +41,11 @@ pub fn channels(
         (None, Some(stated)) => Some((stated.value.as_str(), stated.from.as_str(), false)),
         (None, None) => None,
     };
-    let stated =
-        stated.map(|(symbol, from, forced)| stated_factor(file, symbol, from, edr).map(|f| (f, forced))).transpose()?;
+    let stated = stated.map(|(symbol, from, forced)| stated_unit(file, symbol, from, edr).map(|unit| (unit, forced)));
+    let stated = stated.transpose()?;
 
-    let kinds = kinds(header, &data, selected, stated, edr, notes);
-    if let Some((factor, true)) = stated
+    let kinds = kinds(header, &data, selected, stated, settings, notes);
+    if let Some(((_, factor), true)) = stated
         && !kinds.iter().any(|(kind, f)| *kind != QuantityKind::Other && *f == factor)
     {
         settings::warn("--unit", "the columns state units of their own; --channel names the one that is meant", notes);
@@ -62,12 +65,22 @@ pub fn channels(
         check_for_acceleration(file, header, &data, &kinds, selected, settings.unit.is_some())?;
     }
 
+    // The recorder may keep accelerations (49 CFR 563, table II); their integral is what is read of it.
+    let is_integrated = edr && !kinds.iter().any(|(kind, _)| *kind == QuantityKind::VelocityChange);
     let lines = Arc::new(rows.lines);
     let mut columns = rows.columns;
     let mut channels = Vec::with_capacity(data.len());
     for ((&k, id), &(quantity, factor)) in data.iter().zip(ids).zip(&kinds) {
         let mut samples = std::mem::take(&mut columns[k]);
         samples.iter_mut().for_each(|x| *x *= factor);
+        let quantity = match quantity {
+            QuantityKind::Acceleration if is_integrated => {
+                samples = integral(&samples, time.grid.dt_s);
+                notes.info(format!("column {} is integrated to a change of velocity", header.columns[k].title));
+                QuantityKind::VelocityChange
+            }
+            other => other,
+        };
         let wave = Sampled::new(time.grid.t0_s, time.grid.dt_s, samples).map_err(|error| {
             let place = match error {
                 SignalError::NotFinite { index, .. } => Place::line(file, lines.of_row(index)),
@@ -79,19 +92,29 @@ pub fn channels(
         let Column { name, title, .. } = &header.columns[k];
         let acceleration = quantity == QuantityKind::Acceleration;
         let mut channel = Channel::new(id, quantity);
-        channel.axis = axis(title);
+        channel.axis = axis(title).filter(|_| !is_ordinate(header, &data, k));
         channel.cfc = cfc(title).filter(|_| acceleration);
         iso13499::describe_by_name(&mut channel, name, notes);
         channels.push(ReadChannel {
             wave: Some(wave),
             jitter: time.grid.jitter,
             fitness: Fitness::of_only(quantity, "the only acceleration column"),
-            aliases: vec![name.clone(), title.clone(), (k + 1).to_string()],
+            aliases: vec![name.clone(), title.clone(), channel::clean(title), (k + 1).to_string()],
             lines: Some(Arc::clone(&lines)),
             ..ReadChannel::new(channel)
         });
     }
     Ok(channels)
+}
+
+/// The integral of samples from the first one on, by the trapezoidal rule.
+fn integral(samples: &[f64], dt_s: f64) -> Vec<f64> {
+    let mut sum = 0.0;
+    let steps = samples.windows(2).map(|pair| {
+        sum += 0.5 * (pair[0] + pair[1]) * dt_s;
+        sum
+    });
+    std::iter::once(0.0).take(samples.len()).chain(steps).collect()
 }
 
 /// The columns of a table whose times cannot be read, for a list: without samples, the reason as their comment.
@@ -112,10 +135,14 @@ fn kinds(
     header: &TableHeader,
     data: &[usize],
     selected: Option<usize>,
-    stated: Option<(f64, bool)>,
-    edr: bool,
+    stated: Option<((QuantityKind, f64), bool)>,
+    settings: &IngestSettings,
     notes: &mut Notes,
 ) -> Vec<(QuantityKind, f64)> {
+    let edr = settings.profile == Some(Profile::Edr);
+    let names_any = header.named && data.iter().any(|k| names_acceleration(&header.columns[*k].title));
+    // Of an occupant `Head X` is an acceleration, where no other column is named as one.
+    let is_of_body = |title: &str| settings.place.is_some() && !names_any && axis(title).is_some();
     let accelerations =
         data.iter().filter(|k| matches!(header.columns[**k].unit, Unit::Signal(QuantityKind::Acceleration, _))).count();
     let mut kinds = Vec::new();
@@ -123,10 +150,10 @@ fn kinds(
     for &k in data {
         let Column { title, unit, .. } = &header.columns[k];
         // The flag is for the column asked for, and for all that are named as accelerations.
-        let is_target =
-            header.named && names_acceleration(title) || selected.map_or(data.len() == 1 || !header.named, |s| s == k);
+        let is_target = header.named && (names_acceleration(title) || is_of_body(title))
+            || selected.map_or(data.len() == 1 || !header.named, |s| s == k);
         let kind = match (unit, stated) {
-            (Unit::Signal(QuantityKind::Acceleration, f), Some((over, true)))
+            (Unit::Signal(QuantityKind::Acceleration, f), Some(((QuantityKind::Acceleration, over), true)))
                 if *f != over && (selected == Some(k) || accelerations == 1) =>
             {
                 notes.concern(About::Pulse, Weight::Marked, format!(
@@ -137,10 +164,10 @@ fn kinds(
             }
             (Unit::Signal(QuantityKind::Velocity, f), _) if edr => (QuantityKind::VelocityChange, *f),
             (Unit::Signal(kind, f), _) => (*kind, *f),
-            (_, Some((f, _))) if edr && (data.len() == 1 || names_velocity_change(title)) => {
+            (_, Some(((_, f), _))) if edr && (data.len() == 1 || names_velocity_change(title)) => {
                 (QuantityKind::VelocityChange, f)
             }
-            (_, Some((f, _))) if !edr && is_target => (QuantityKind::Acceleration, f),
+            (_, Some((unit, _))) if !edr && is_target => unit,
             _ => {
                 unknown.push(title.as_str());
                 (QuantityKind::Other, 1.0)
@@ -152,6 +179,26 @@ fn kinds(
         notes.info(format!("no unit is known for {}: kept as read, quantity other", unknown.join(", ")));
     }
     kinds
+}
+
+/// Whether a column is the ordinate of a plot or the values of a waveform, `Y` beside `X` or the time, and no axis: the
+/// letter alone, without another axis among the data.
+fn is_ordinate(header: &TableHeader, data: &[usize], k: usize) -> bool {
+    let letter = |k: usize| {
+        let name = header.columns[k].name.to_lowercase();
+        let letters: String = name.chars().filter(|c| !c.is_ascii_digit() && !"[]()_-.# ".contains(*c)).collect();
+        ["x", "y", "z"].into_iter().find(|axis| *axis == letters)
+    };
+    letter(k) == Some("y") && !data.iter().any(|other| matches!(letter(*other), Some("x" | "z")))
+}
+
+/// What to do about a unit that is not known.
+fn of_unknown(symbol: &str) -> String {
+    match near(symbol, ACCELERATION).as_slice() {
+        [] => "export the column in one of these; if it is one of them by another name, --unit g, for example, says so"
+            .to_owned(),
+        near => format!("if {symbol:?} is that, add --unit {}", near.join(" or --unit ")),
+    }
 }
 
 /// An acceleration there must be, and the column asked for must be one.
@@ -177,7 +224,10 @@ fn check_for_acceleration(
         } else {
             "add --unit g or --unit m/s^2 (or mm/ms^2), whichever it is: a unit is never guessed from the numbers"
         };
-        unit.refuse(place, hint)
+        match unit {
+            Unit::Unknown(symbol) => unit.refuse(place, &of_unknown(symbol)),
+            _ => unit.refuse(place, hint),
+        }
     };
     if let Some(selected) = selected {
         let kind = data.iter().zip(kinds).find(|(k, _)| **k == selected).map(|(_, kind)| kind.0);
@@ -198,6 +248,12 @@ fn check_for_acceleration(
     // The unit that is stated serves the column that is named.
     if let Some(first) = unknown.first().filter(|_| is_unit_stated) {
         let found = format!("no column is named as an acceleration: {}", titles(header, data));
+        if header.lacks_names() {
+            let (names, fields) = (header.names, header.columns.len());
+            let found = format!("{fields} fields in a row, {names} names above them, and {found}");
+            let hint = format!("the names may stand above other columns: give the number, such as --channel {fields}");
+            return refuse_channel(file, found, "the column with the crash pulse", hint);
+        }
         let hint = pulse::which(&ids(header, &[*first])[0], unknown.len());
         return refuse_channel(file, found, "the name of the channel with the crash pulse", hint);
     }
@@ -226,7 +282,8 @@ pub fn select(file: &str, wanted: &str, header: &TableHeader, data: &[usize], id
     let wanted = wanted.trim();
     let matches = |k: usize, id: &str, fold: bool| {
         let same = |name: &str| if fold { name.to_lowercase() == wanted.to_lowercase() } else { name == wanted };
-        same(id) || same(&header.columns[k].name) || same(&header.columns[k].title)
+        let Column { name, title, .. } = &header.columns[k];
+        same(id) || same(name) || same(title) || same(&channel::clean(title))
     };
     let all = |fold: bool| -> Vec<usize> {
         data.iter().zip(ids).filter(|(k, id)| matches(**k, id, fold)).map(|(k, _)| *k).collect()

@@ -104,7 +104,7 @@ impl Rows {
     }
 
     /// Keeps the rows in which all of these columns have a number.
-    fn keep_filled(&mut self, columns: &[usize]) {
+    pub fn keep_filled(&mut self, columns: &[usize]) {
         let is_kept: Vec<bool> =
             (0..self.lines.len()).map(|row| columns.iter().all(|k| !self.columns[*k][row].is_nan())).collect();
         let mut lines = LineNumbers::default();

@@ -2,6 +2,7 @@
 
 use crumple_signal::unit;
 
+use crate::formats::iso13499::code_of_name;
 use crate::formats::table::layout::{Delimiter, Layout};
 use crate::formats::text::column_names::{Unit, is_kg, is_time_name, names_acceleration, signal, split_unit, symbol};
 use crate::formats::text::lines::{Line, Lines, decode, field, unquoted};
@@ -22,8 +23,8 @@ pub struct Column {
 pub struct TableHeader {
     pub columns: Vec<Column>,
     pub named: bool,
-    /// More names than columns: how many there are.
-    pub surplus_names: Option<usize>,
+    /// How many names there are.
+    pub names: usize,
     /// One name fewer than columns.
     pub lacks_a_name: bool,
     /// `kg` was read as kilo-g in these columns.
@@ -32,6 +33,13 @@ pub struct TableHeader {
     pub ignored_lines: Vec<usize>,
     /// Two lines that state different units of one column.
     pub contradiction: Option<Contradiction>,
+}
+
+impl TableHeader {
+    /// Whether there are fewer names than columns.
+    pub fn lacks_names(&self) -> bool {
+        self.named && self.names < self.columns.len()
+    }
 }
 
 /// Two units of one column.
@@ -80,14 +88,20 @@ pub fn of_lines(mut lines: Vec<(usize, Vec<String>)>, count: usize) -> TableHead
     let (names_line, names) = names.unwrap_or_default();
     // A delimiter at the end of every line is no column.
     let stated = names.iter().rposition(|name| !name.trim().is_empty()).map_or(0, |last| last + 1);
-    let surplus_names = (stated > count).then_some(stated);
+    let preamble = Preamble::of(&lines, count);
     let mut kilo_g = Vec::new();
     let mut contradiction = None;
     let columns = (0..count)
         .map(|k| {
             let title =
                 names.get(k).filter(|name| !name.is_empty()).cloned().unwrap_or_else(|| format!("column {}", k + 1));
-            let (name, mut unit) = split_unit(&title);
+            let (mut name, mut unit) = split_unit(&title);
+            if matches!(unit, Unit::Unstated) {
+                unit = preamble.unit(k).map_or(unit, |cell| symbol(cell, &title));
+            }
+            if let Some(code) = preamble.code(k) {
+                code.clone_into(&mut name);
+            }
             if let Some((units_line, cell)) = units.as_ref().and_then(|(line, cells)| Some((*line, cells.get(k)?))) {
                 let stated = unit_cell(cell, &title);
                 if stated.is_known() && unit.is_known() && stated != unit && contradiction.is_none() {
@@ -109,11 +123,43 @@ pub fn of_lines(mut lines: Vec<(usize, Vec<String>)>, count: usize) -> TableHead
     TableHeader {
         columns,
         named,
-        surplus_names,
+        names: stated,
         lacks_a_name: named && stated + 1 == count,
         kilo_g,
         ignored_lines: lines.iter().chain(&below).map(|(number, _)| *number).collect(),
         contradiction,
+    }
+}
+
+/// Lines above the names that hold one value a column behind a word that says what they are: `Engineering Unit,g,mm`.
+struct Preamble<'a> {
+    lines: Vec<(String, &'a [String])>,
+}
+
+impl<'a> Preamble<'a> {
+    /// Of lines with a cell for each of so many columns; the word stands above the first, or beside them all.
+    fn of(lines: &'a [(usize, Vec<String>)], count: usize) -> Self {
+        let of_line = |(_, cells): &'a (usize, Vec<String>)| {
+            let filled = cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1);
+            let values = &cells[filled.checked_sub(count).filter(|beside| *beside <= 1)?..filled];
+            Some((cells[0].to_lowercase(), values))
+        };
+        Self { lines: lines.iter().filter_map(of_line).filter(|_| count > 1).collect() }
+    }
+
+    /// The cell of a column in the last line of these whose word is meant.
+    fn cell(&self, k: usize, is_meant: impl Fn(&str) -> bool) -> Option<&'a str> {
+        let line = self.lines.iter().rev().find(|(word, _)| is_meant(word));
+        line.and_then(|(_, values)| values.get(k)).map(|cell| cell.trim()).filter(|cell| !cell.is_empty())
+    }
+
+    fn unit(&self, k: usize) -> Option<&'a str> {
+        self.cell(k, |word| word.contains("unit") || word.contains("einheit")).filter(|_| k > 0)
+    }
+
+    fn code(&self, k: usize) -> Option<&'a str> {
+        let code = self.cell(k, |word| word.contains("code") || word.contains("iso"))?;
+        code_of_name(code).map(|_| code)
     }
 }
 
@@ -333,9 +379,9 @@ mod tests {
         let text = "time, accel 1, accel 2\ntime - seconds (computed), deacceleration - kg\n0,1\n1,2\n2,3\n";
         let header = header(text);
         assert_eq!(header.columns[1].unit, Unit::Signal(QuantityKind::Acceleration, 9806.65));
-        assert_eq!((header.kilo_g, header.surplus_names), (vec![1], Some(3)));
+        assert_eq!((header.kilo_g, header.names), (vec![1], 3));
         let header = self::header("time_s,accel_g,\n0,1,\n1,2,\n2,3,\n");
-        assert_eq!((header.columns.len(), header.surplus_names), (2, None), "a delimiter at the end is no name");
+        assert_eq!((header.columns.len(), header.names), (2, 2), "a delimiter at the end is no name");
         assert_eq!(units("t_s,decel_kg\n0,1\n1,2\n")[1], Unit::Signal(QuantityKind::Acceleration, 9806.65));
         assert_eq!(units("t_s,Acc [kg]\n0,1\n1,2\n")[1], Unit::Signal(QuantityKind::Acceleration, 9806.65));
         assert_eq!(units("t_s,load [kg]\n0,1\n1,2\n")[1], Unit::Unknown("kg".to_owned()));

@@ -18,7 +18,9 @@ mod event_data_recorder;
 mod gaps;
 pub mod header;
 pub mod layout;
+mod logs;
 pub mod numbers;
+mod pairs;
 mod time_axis;
 
 /// Tables: whatever is text and nothing else. UTF-16 and old Macintosh line ends are converted as a whole, so such
@@ -52,6 +54,12 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
         }
         text = Cow::Owned(header::cut(&text, title, file)?);
     }
+    let mut rewritten = None;
+    if bundle.large.is_none()
+        && let Some(logs::AsTable { text: as_table, note }) = logs::as_table(file, &text, settings.channel.as_deref())?
+    {
+        (text, rewritten) = (Cow::Owned(as_table), Some(note));
+    }
     let OneTable { channels, mut details, mut notes } =
         match one_table(file, bytes, &text, bundle, settings, TextAbove::Unused) {
             Err(error) if !edr && bundle.large.is_none() => {
@@ -59,6 +67,7 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
             }
             table => table?,
         };
+    rewritten.into_iter().for_each(|note| notes.info(note));
     if edr {
         event_data_recorder::edr_notes(&channels, &mut details, &mut notes);
     }
@@ -144,12 +153,11 @@ pub fn one_table(
     }
     let least = if edr { MINIMUM_EDR_SAMPLES } else { MINIMUM_SAMPLES };
     if samples < least {
-        return refuse(
-            file,
-            format!("too few samples: {samples}"),
-            format!("at least {least} samples, one in a row"),
-            "give the whole record: some tens of milliseconds before and after contact, sampled at 1 kHz or more",
-        );
+        let whole = "give the whole record: some tens of milliseconds before and after contact, at 1 kHz or more";
+        let of_recorder = "; the table of an event data recorder, some ten rows, takes --profile edr";
+        let hint = [whole, if samples < MINIMUM_EDR_SAMPLES { "" } else { of_recorder }].concat();
+        let expected = format!("at least {least} samples, one in a row");
+        return refuse(file, format!("too few samples: {samples}"), expected, hint);
     }
     if header.lacks_a_name && time_axis::counts(&rows.columns[0]) {
         return refuse(
@@ -174,11 +182,29 @@ pub fn one_table(
 pub fn channels_of(
     file: &str,
     header: &header::TableHeader,
-    mut rows: numbers::Rows,
+    rows: numbers::Rows,
     settings: &IngestSettings,
     comments: (Option<&Stated<String>>, Option<&Stated<String>>),
     notes: &mut Notes,
 ) -> Result<Vec<ReadChannel>> {
+    let groups = pairs::groups(header, &rows).filter(|_| settings.sample_time.is_none());
+    match groups {
+        Some(groups) => pairs::channels(file, header, &rows, &groups, settings, notes, |rows, settings, notes| {
+            of_one_time(file, header, rows, settings, comments, notes)
+        }),
+        None => of_one_time(file, header, rows, settings, comments, notes).map(|(channels, _)| channels),
+    }
+}
+
+/// The same where all channels have one time; with what the times count from, s, where they are those of a calendar.
+fn of_one_time(
+    file: &str,
+    header: &header::TableHeader,
+    mut rows: numbers::Rows,
+    settings: &IngestSettings,
+    comments: (Option<&Stated<String>>, Option<&Stated<String>>),
+    notes: &mut Notes,
+) -> Result<(Vec<ReadChannel>, Option<f64>)> {
     gaps::settle(file, header, &mut rows, settings, notes)?;
     let time = match settings.sample_time {
         Some(interval) => {
@@ -190,7 +216,7 @@ pub fn channels_of(
         None => time_axis::find(file, header, &mut rows, settings, comments.1, notes),
     };
     let time = match time {
-        Err(error) if settings.listing => return Ok(columns::without_time(header, &rows, &error)),
+        Err(error) if settings.listing => return Ok((columns::without_time(header, &rows, &error), None)),
         time => time?,
     };
     // Whole numbers that are no times are what they were.
@@ -199,7 +225,7 @@ pub fn channels_of(
             column.iter_mut().for_each(|x| *x += first as f64);
         }
     }
-    columns::channels(file, header, rows, &time, settings, comments.0, notes)
+    Ok((columns::channels(file, header, rows, &time, settings, comments.0, notes)?, time.origin_s))
 }
 
 /// Refuses rows below `1.0e+03 *`, which MATLAB prints above numbers that it has divided by that.
@@ -218,11 +244,13 @@ fn refuse_scale_factor(file: &str, layout: &layout::Layout) -> Result<()> {
 }
 
 fn header_notes(file: &str, header: &header::TableHeader, text_above: TextAbove, notes: &mut Notes) {
-    if let Some(names) = header.surplus_names {
-        notes.warning(format!(
-            "{names} names in the header of {file}, but {} columns: the first names are used",
-            header.columns.len()
-        ));
+    let (names, columns) = (header.names, header.columns.len());
+    if names > columns {
+        notes
+            .warning(format!("{names} names in the header of {file}, but {columns} columns: the first names are used"));
+    } else if header.lacks_names() {
+        let rest = "which of them stands above which is not known";
+        notes.warning(format!("{columns} fields in the rows of {file}, but {names} names in its header: {rest}"));
     }
     if !header.kilo_g.is_empty() {
         notes.info("unit kg in a column of acceleration is read as kilo-g, 9806.65 m/s^2");

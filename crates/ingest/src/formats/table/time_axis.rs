@@ -18,6 +18,8 @@ pub struct TimeAxis {
     /// Columns that are no channels: that of the time, and those that count the rows.
     pub columns: Vec<usize>,
     pub grid: Grid,
+    /// What its times count from, where they are those of a calendar and were too large to keep.
+    pub origin_s: Option<f64>,
 }
 
 /// What to do where no column is the time.
@@ -34,13 +36,19 @@ pub fn stated(file: &str, header: &TableHeader, rows: &Rows, interval_s: f64, no
         let column = &header.columns[*k];
         is_time_column(header, rows, *k) && !(matches!(column.unit, Unit::Unstated) && counts(&rows.columns[*k]))
     };
-    if let Some(k) = (0..header.columns.len()).find(is_time) {
+    let times: Vec<usize> = (0..header.columns.len()).filter(is_time).collect();
+    if let Some(&k) = times.iter().find(|k| increases(&rows.columns[**k])) {
         let title = &header.columns[k].title;
         return refuse(format!("column {title} is named as time"), "leave --sample-time away");
     }
+    for k in &times {
+        let title = &header.columns[*k].title;
+        notes.warning(format!("the times of column {title} do not increase from row to row: --sample-time counts"));
+    }
     // Without names the first column may count the rows as well.
-    let counters = counters(header, rows, |k| is_time_column(header, rows, k) || (!header.named && k == 0), notes);
-    Ok(TimeAxis { columns: counters, grid: Grid { t0_s: 0.0, dt_s: interval_s, jitter: 0.0 } })
+    let mut columns = counters(header, rows, |k| is_time_column(header, rows, k) || (!header.named && k == 0), notes);
+    columns.extend(times);
+    Ok(TimeAxis { columns, grid: Grid { t0_s: 0.0, dt_s: interval_s, jitter: 0.0 }, origin_s: None })
 }
 
 /// Whether a column is the time by its name, its unit or its cells.
@@ -48,6 +56,11 @@ pub fn is_time_column(header: &TableHeader, rows: &Rows, k: usize) -> bool {
     let column = &header.columns[k];
     let is_stated = matches!(column.unit, Unit::Time(_)) || (header.named && is_time_name(&column.title));
     !rows.is_left_out(k) && (is_stated || matches!(rows.cells[k], Cells::Stamps(_)))
+}
+
+/// Whether numbers grow from row to row, a clock at midnight aside.
+fn increases(times: &[f64]) -> bool {
+    times.windows(2).filter(|pair| pair[1] <= pair[0]).count() <= 1
 }
 
 /// Whether numbers are whole and grow by one from row to row.
@@ -72,7 +85,11 @@ fn counters(header: &TableHeader, rows: &Rows, may_count: impl Fn(usize) -> bool
 /// says so, the first is it if a person states its unit, or if the table has no names and its numbers grow by other
 /// steps than one.
 fn time_column(file: &str, header: &TableHeader, rows: &Rows, is_unit_stated: bool) -> Result<usize> {
-    let times: Vec<usize> = (0..header.columns.len()).filter(|k| is_time_column(header, rows, *k)).collect();
+    let mut times: Vec<usize> = (0..header.columns.len()).filter(|k| is_time_column(header, rows, *k)).collect();
+    // What stands still is no time where another column runs.
+    if times.iter().any(|k| increases(&rows.columns[*k])) {
+        times.retain(|k| rows.columns[*k].windows(2).any(|pair| pair[0] != pair[1]));
+    }
     let is_named = |k: &usize| header.named && is_time_name(&header.columns[*k].title);
     let says_its_unit =
         |k: &usize| matches!(header.columns[*k].unit, Unit::Time(_)) || matches!(rows.cells[*k], Cells::Stamps(_));
@@ -82,7 +99,7 @@ fn time_column(file: &str, header: &TableHeader, rows: &Rows, is_unit_stated: bo
         .or_else(|| times.iter().find(|k| is_named(k)))
         .or_else(|| times.first())
         .copied();
-    let column = found.unwrap_or(0);
+    let column = found.or_else(|| (0..header.columns.len()).find(|k| !rows.is_left_out(*k))).unwrap_or(0);
     let title = &header.columns[column].title;
     let numbers = &rows.columns[column];
     let expected = "times in a column that is named for it, with its unit: time_s";
@@ -197,7 +214,7 @@ pub fn find(
         )),
         None => {}
     }
-    Ok(TimeAxis { columns, grid })
+    Ok(TimeAxis { columns, grid, origin_s: origin_s.filter(|_| !is_absolute) })
 }
 
 /// Seconds from the first time of a clock that is packed into a number, hhmmss.sss, as loggers of satellite positions

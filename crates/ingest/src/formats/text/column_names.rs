@@ -18,6 +18,7 @@ pub enum Unit {
 }
 
 pub const ACCELERATION: Dimension = Dimension::Signal(QuantityKind::Acceleration);
+const VELOCITY: Dimension = Dimension::Signal(QuantityKind::Velocity);
 
 impl Unit {
     /// It is stated and one known here.
@@ -35,16 +36,20 @@ impl Unit {
     }
 }
 
-/// The factor to SI of a unit that a person states by `from`: of acceleration, of speed where a change of it is read.
-pub fn stated_factor(file: &str, symbol: &str, from: &str, is_of_speed: bool) -> Result<f64> {
+/// The quantity and the factor to SI of a unit that a person states by `from`: of acceleration or velocity, of speed
+/// alone where a change of it is read.
+pub fn stated_unit(file: &str, symbol: &str, from: &str, is_of_speed: bool) -> Result<(QuantityKind, f64)> {
     let (dimension, what, hint) = if is_of_speed {
-        (Dimension::Signal(QuantityKind::Velocity), "speed", "use --unit km/h or --unit mph")
+        (VELOCITY, "speed", "use --unit km/h or --unit mph")
     } else {
-        (ACCELERATION, "acceleration", "use --unit g or --unit m/s^2")
+        (ACCELERATION, "acceleration", "use --unit g or --unit m/s^2; of a velocity --unit m/s or --unit km/h")
     };
+    let of = |quantity: QuantityKind| Some((quantity, unit::factor(symbol, Dimension::Signal(quantity))?));
+    let is_allowed = |(quantity, _): &(QuantityKind, f64)| !is_of_speed || *quantity == QuantityKind::Velocity;
+    let known = of(QuantityKind::Acceleration).or_else(|| of(QuantityKind::Velocity)).filter(is_allowed);
     let found = || format!("{symbol:?}, stated by {from}, is no unit of {what}");
     let expected = || format!("one of {}", choices(dimension));
-    unit::factor(symbol, dimension).ok_or_else(|| IngestError::content(file, found(), expected(), hint))
+    known.ok_or_else(|| IngestError::content(file, found(), expected(), hint))
 }
 
 /// `Acceleration [m/s^2]`, `a (g)`, `acceleration(g)`, `time_s`, `accel_m_per_s2`, `Beschleunigung in g`: the name
@@ -142,7 +147,12 @@ pub fn names_acceleration(text: &str) -> bool {
     ["acc", "decel", "beschl", "verzög", "verzoeg"].iter().any(|part| lower.contains(part))
         || {
             let mut words = lower.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
-            matches!(words.next(), Some("a" | "ax" | "ay" | "az"))
+            match words.next() {
+                Some("a" | "ax" | "ay" | "az") => true,
+                // Linear acceleration, and its peak, of a head.
+                Some("la" | "pla") => words.next().is_some_and(|word| axis(word).is_some()),
+                _ => false,
+            }
         }
         || iso13499::is_acceleration(text)
 }
@@ -176,16 +186,24 @@ pub fn is_counter_name(text: &str) -> bool {
     is_named && !folded.is_empty() && !unit.is_known()
 }
 
-/// The axis that a name states: `ax`, `accel_x`, `Acc X (g)`, `accX`.
+/// The axis that a name states: `ax`, `accel_x`, `Acc X (g)`, `accX`, `LinAccX`.
 pub fn axis(name: &str) -> Option<Axis> {
     let axis_of_word = |word: &str| match word {
         "x" | "ax" | "accx" | "accelx" | "xg" | "longitudinal" => Some(Axis::X),
         "y" | "ay" | "accy" | "accely" | "yg" | "lateral" => Some(Axis::Y),
         "z" | "az" | "accz" | "accelz" | "zg" | "vertical" => Some(Axis::Z),
-        "resultant" | "res" => Some(Axis::Resultant),
+        "resultant" | "res" | "mag" | "magnitude" => Some(Axis::Resultant),
         _ => None,
     };
-    name.to_lowercase().split(|c: char| !c.is_alphanumeric()).find_map(axis_of_word)
+    let of_words = |text: &str| text.to_lowercase().split(|c: char| !c.is_alphanumeric()).find_map(axis_of_word);
+    // A capital behind a small letter begins a word.
+    let mut apart = String::new();
+    for c in name.chars() {
+        let begins = c.is_uppercase() && apart.ends_with(char::is_lowercase);
+        apart.extend(begins.then_some(' '));
+        apart.push(c);
+    }
+    of_words(name).or_else(|| of_words(&apart))
 }
 
 /// The channel frequency class that a name states: `accel_cfc60`, `CFC 180`.
@@ -247,6 +265,10 @@ mod tests {
     fn words_tell_axis_class_and_kind() {
         assert_eq!(axis("accel_x_g"), Some(Axis::X));
         assert_eq!(axis("ay (g)"), Some(Axis::Y));
+        assert_eq!(
+            ["LinAccX", "PLA_z", "Head Y", "LinAccRes"].map(axis),
+            [Axis::X, Axis::Z, Axis::Y, Axis::Resultant].map(Some)
+        );
         assert_eq!(axis("accel_g"), None);
         assert_eq!(cfc("accel_cfc60_g"), Some(60));
         assert_eq!(cfc("accel CFC 61"), None);

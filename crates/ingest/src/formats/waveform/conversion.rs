@@ -3,7 +3,7 @@
 use crumple_signal::{About, Channel, Notes, QuantityKind, Sampled, Weight};
 
 use crate::formats::iso13499;
-use crate::formats::text::column_names::{self, Unit, names_acceleration, stated_factor};
+use crate::formats::text::column_names::{self, Unit, names_acceleration, stated_unit};
 use crate::formats::waveform::channel::{self, Label, Waveform};
 use crate::formats::waveform::clock::{Asked, Clocks, TimeOfChannel};
 use crate::recording::content::{Fitness, ReadChannel, Recording, list};
@@ -224,7 +224,7 @@ pub fn quantities(
     notes: &mut Notes,
 ) -> Result<Vec<(QuantityKind, f64)>> {
     let stated = settings.unit.as_deref();
-    let stated = stated.map(|symbol| stated_factor(file, symbol, "--unit or the sidecar", false)).transpose()?;
+    let stated = stated.map(|symbol| stated_unit(file, symbol, "--unit or the sidecar", false)).transpose()?;
     let data: Vec<usize> = (0..waveforms.len()).filter(|k| !clocks.are_times[*k]).collect();
     let is_acceleration = |k: &&usize| matches!(labels[**k].unit, Unit::Signal(QuantityKind::Acceleration, _));
     let accelerations = data.iter().filter(is_acceleration).count();
@@ -234,7 +234,7 @@ pub fn quantities(
     for &k in &data {
         let title = &labels[k].title;
         kinds[k] = match (&labels[k].unit, stated) {
-            (Unit::Signal(QuantityKind::Acceleration, f), Some(over))
+            (Unit::Signal(QuantityKind::Acceleration, f), Some((QuantityKind::Acceleration, over)))
                 if *f != over && (wanted == Some(k) || accelerations == 1) =>
             {
                 let (by_file, by_flag) = (format!("{f} m/s^2 by the file"), "by the flag or sidecar: that is used");
@@ -243,12 +243,12 @@ pub fn quantities(
                 (QuantityKind::Acceleration, over)
             }
             (Unit::Signal(kind, f), _) => (*kind, *f),
-            (Unit::Unstated | Unit::Unknown(_), Some(f)) if is_target(k) => (QuantityKind::Acceleration, f),
+            (Unit::Unstated | Unit::Unknown(_), Some(unit)) if is_target(k) => unit,
             _ => (QuantityKind::Other, 1.0),
         };
     }
-    if let Some(factor) = stated
-        && !data.iter().any(|k| kinds[*k] == (QuantityKind::Acceleration, factor))
+    if let Some(unit) = stated
+        && !data.iter().any(|k| kinds[*k] == unit)
     {
         settings::warn("--unit", "the channels state units of their own; --channel names the one that is meant", notes);
     }
