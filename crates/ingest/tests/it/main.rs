@@ -7,6 +7,7 @@ mod contact;
 mod exchanges;
 mod impacts;
 mod iso_mme;
+mod logger_texts;
 mod lvm;
 mod messages;
 mod messy_loggers;
