@@ -144,19 +144,19 @@ impl Repeated<'_> {
             let refused = |found: String| {
                 let names: Vec<&str> = known.files.keys().map(String::as_str).collect();
                 let expected = format!("the program that made the run: {} ({})", known.typed, names.join(", "));
-                Refused::new(found)
-                    .expected(expected)
-                    .hint(format!("look at it, then {}", self.again(&flag, "--stage")))
+                Refused::new(found).expected(expected)
             };
             let is_given = self.asked.stages.iter().any(|given| name(given) == *stage);
             let Some(of_chain) = chain().map(|stage| stage.name).find(|name| name == stage).filter(|_| is_given) else {
                 let found = format!("the stage {stage} was run by a program from elsewhere, which is not named here");
-                return Err(refused(found).into());
+                let hint = format!("look at it, then {}", self.again(&flag, "--stage"));
+                return Err(refused(found).hint(hint).into());
             };
             let given = commands.program(of_chain, &Words::default())?;
             let now: Vec<String> = given.files().map(|(_, digest)| digest).collect();
             if let Some((file, digest)) = known.files.iter().find(|(_, digest)| !now.contains(digest)) {
-                return Err(refused(format!("{}: none of its files is {file} of {digest}", given.typed)).into());
+                let found = format!("{}: none of its files is {file} of {digest}", given.typed);
+                return Err(refused(found).hint("put the program back as it was").into());
             }
             given.typed.clone_into(&mut known.typed);
         }
@@ -168,7 +168,7 @@ impl Repeated<'_> {
         let Contents { record, sidecar, .. } = self.contents;
         let own = self.folder.join(record.place());
         if record.is_inside {
-            self.refuse_another(&own, sidecar.as_ref())?;
+            self.refuse_another(&own, &own, sidecar.as_ref())?;
             return Ok(own);
         }
         let Some(given) = &self.asked.record else {
@@ -178,7 +178,7 @@ impl Repeated<'_> {
         // The files of a test stay where they are, and so do options that the crate has only the digest of.
         let stays = !is_one_file(given) || sidecar.as_ref().is_some_and(|sidecar| !sidecar.is_inside);
         if stays {
-            self.refuse_another(given, sidecar.as_ref())?;
+            self.refuse_another(given, given, sidecar.as_ref())?;
             return Ok(given.clone());
         }
         refuse_path_that_leaves(self.crate_path(), &record.place())?;
@@ -187,17 +187,17 @@ impl Repeated<'_> {
             fs::hard_link(given.canonicalize()?, &own).or_else(|_| fs::copy(given, &own).map(drop))
         };
         copy().with_context(|| format!("cannot copy {}", given.display()))?;
-        self.refuse_another(&own, sidecar.as_ref()).map_err(|error| error.context(given.display().to_string()))?;
+        self.refuse_another(&own, given, sidecar.as_ref())?;
         Ok(own)
     }
 
-    /// Errors: a record, or options beside it, that are not those of the crate.
-    fn refuse_another(&self, path: &Path, sidecar: Option<&Item>) -> anyhow::Result<()> {
+    /// Errors: a record, or options beside it, that are not those of the crate. `given` is what errors call it.
+    fn refuse_another(&self, path: &Path, given: &Path, sidecar: Option<&Item>) -> anyhow::Result<()> {
         let found = digests(path)?;
         let record = &self.contents.record;
         let refused = |what: String, stated: String, hint: &str| Refused::new(what).expected(stated).hint(hint);
         if record.content.as_deref() != Some(&found.record) {
-            let what = format!("{} is another record: {}", found.name, found.record);
+            let what = format!("{} is another record: {}", given.display(), found.record);
             let stated = format!("{} of {}", record.name, record.content.as_deref().unwrap_or("no digest"));
             return Err(refused(what, stated, "give the record that the run was made from").into());
         }

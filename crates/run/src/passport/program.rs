@@ -47,8 +47,8 @@ pub struct PassportOptions {
     #[arg(long)]
     with_record: bool,
 
-    /// Where the record is [default: where it was, as seen from the run].
-    #[arg(long, value_name = "RECORD")]
+    /// Where the record that goes in is [default: where it was, as seen from the run].
+    #[arg(long, value_name = "RECORD", requires = "with_record")]
     record: Option<PathBuf>,
 
     /// License of the crate: an address such as https://spdx.org/licenses/CC-BY-4.0, or words.
