@@ -85,13 +85,27 @@ fn is_candidate(read: &ReadChannel) -> bool {
         && matches!(read.channel.status, ChannelStatus::Valid | ChannelStatus::Computed)
 }
 
+/// What to do with the voltage of a sensor.
+const EXPORT_IN_G: &str = "export the acceleration in g: the volts divided by the sensitivity of the sensor, in V/g";
+const ANOTHER_RECORD: &str =
+    "export an acceleration of the same test; inputs and outputs that are no crash need none: --allow-missing";
+
 fn best_candidate(file: &str, recording: &Recording, candidates: &[usize]) -> Result<usize> {
     let hint = "name the channel by --channel";
     match (candidates, recording.pulse_rule) {
         ([], PulseRule::OnlyOne) => {
-            let first = recording.channels.iter().find(|read| read.wave.is_some());
-            let advice = first.map_or_else(|| hint.to_owned(), |read| which(&read.channel.id, 0));
-            refuse_channel(file, "no acceleration column with data", "one", advice)
+            let with_data = || recording.channels.iter().filter(|read| read.wave.is_some()).map(|read| &read.channel);
+            // The unit of another quantity can be stated; that of a voltage is known, and naming it changes nothing.
+            if let Some(other) = with_data().find(|channel| channel.quantity == QuantityKind::Other) {
+                return refuse_channel(file, "no acceleration column with data", "one", which(&other.id, 0));
+            }
+            let measured: Vec<String> = with_data().map(|c| format!("{} ({})", c.id, c.quantity)).collect();
+            if measured.is_empty() {
+                return refuse_channel(file, "no acceleration column with data", "one", hint);
+            }
+            let found = format!("no acceleration column with data, but {}", content::list(&measured));
+            let are_voltages = with_data().all(|channel| channel.quantity == QuantityKind::Voltage);
+            refuse_channel(file, found, "one", if are_voltages { EXPORT_IN_G } else { ANOTHER_RECORD })
         }
         ([], PulseRule::Fittest) => {
             let unread: Vec<&str> = recording.channels.iter().filter_map(|read| read.unread.as_deref()).collect();
@@ -176,6 +190,8 @@ fn requested_channel(file: &str, recording: &Recording, wanted: &str, candidates
     let ReadChannel { channel, wave, unread, .. } = &recording.channels[index];
     let id = &channel.id;
     let hint = || match candidates {
+        [] if channel.quantity == QuantityKind::Voltage => EXPORT_IN_G.to_owned(),
+        [] if wave.is_some() => ANOTHER_RECORD.to_owned(),
         [] => "choose a channel with data by --channel".to_owned(),
         _ => format!("candidates here: {}", names(candidates)),
     };

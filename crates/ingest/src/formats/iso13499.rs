@@ -15,13 +15,30 @@ use crate::{IngestSettings, pulse};
 const OBJECTS: &str = "?0123456789BMSPHDCT";
 const DIRECTIONS: &str = "?XYZR0123";
 const FILTERS: &str = "?_0ABCDEFGHLPQSXV123";
+/// Longest prefix before its `_`: `M`, `DG0`, `Chan12`.
+const LONGEST_PREFIX: usize = 8;
 
 /// The code that a name without its unit is, and what had to be made of it.
 ///
-/// DIAdem appends `_NoName` and a number where a name is taken already. A name in small letters, or one without test
-/// object and position, is a code only if its main location is known.
+/// DIAdem appends `_NoName` and a number where a name is taken already. Programs whose names cannot begin with a digit
+/// put something in front: MATLAB `x`, R `X`, asammdf `M_`. A name in small letters, one with such a prefix, or one
+/// without test object and position, is a code only if its main location is known.
 pub fn code_of_name(name: &str) -> Option<(IsoCode, Vec<String>)> {
     let name = name.trim();
+    let bare = name.strip_prefix(['x', 'X']).or_else(|| {
+        let (prefix, rest) = name.split_once('_')?;
+        (prefix.len() <= LONGEST_PREFIX).then_some(rest)
+    });
+    let of_bare = || {
+        let bare = bare.filter(|bare| bare.starts_with(|c: char| c.is_ascii_digit()) && bare.len() >= 15)?;
+        let (code, mut remarks) = code_of(bare).filter(|(code, _)| code.has_known_location())?;
+        remarks.push(format!("the prefix of code {name:?} is left off: {code}"));
+        Some((code, remarks))
+    };
+    code_of(name).or_else(of_bare)
+}
+
+fn code_of(name: &str) -> Option<(IsoCode, Vec<String>)> {
     let suffix = name.to_ascii_lowercase().find("_noname");
     let written = suffix.map_or(name, |at| &name[..at]);
     let (code, mut remarks) = IsoCode::parse(written).ok()?;
@@ -31,7 +48,10 @@ pub fn code_of_name(name: &str) -> Option<(IsoCode, Vec<String>)> {
         && DIRECTIONS.contains(character(14))
         && FILTERS.contains(character(15))
         && code.quantity().1 != "not known";
-    let strict = written.bytes().any(|b| b.is_ascii_lowercase()) || written.len() < 15;
+    // Locations are letters; `M_10SILL00FRACXP` is no code.
+    let strict = written.bytes().any(|b| b.is_ascii_lowercase())
+        || written.len() < 15
+        || code.main_location().bytes().any(|b| b.is_ascii_digit());
     if !known_parts || (strict && !code.has_known_location()) {
         return None;
     }
@@ -108,6 +128,13 @@ mod tests {
             ("10vehccg0000acxp", "10VEHCCG0000ACXP"),
             ("VEHC0000__VEX", "??VEHC0000__VEX?"),
             ("10QQQQ000000ACXD", "10QQQQ000000ACXD"),
+            ("x11SILLLE0000ACXP", "11SILLLE0000ACXP"),
+            ("X11SILLLE0000ACXP", "11SILLLE0000ACXP"),
+            ("M_11SILLLE0000ACXP", "11SILLLE0000ACXP"),
+            ("DG0_11SILLLE0000ACXP", "11SILLLE0000ACXP"),
+            ("x11SILLLE0000ACXP_g_", "11SILLLE0000ACXP"),
+            ("x11HEADCG00__ACR", "11HEADCG00__ACR?"),
+            ("M0MBARLEMIUPACXP", "M0MBARLEMIUPACXP"),
         ] {
             assert_eq!(code(name).as_deref(), Some(expected), "{name}");
         }
@@ -120,6 +147,10 @@ mod tests {
             "",
             "time_s",
             "Müller",
+            "M_10SILL00FRACXP",
+            "x10SILL00FRACXP",
+            "x_10QQQQ000000ACXD",
+            "M_ü1SILLLE0000ACXP",
         ] {
             assert_eq!(code(name), None, "{name}");
         }

@@ -45,7 +45,13 @@ impl Bundle {
 
 /// The reader for a file, or why there is none: empty, known but not read, or not known at all.
 pub(crate) fn recognise(file: &str, bytes: &[u8]) -> Result<&'static Reader> {
+    let ends_in =
+        |expected: &str| file.rsplit_once('.').is_some_and(|(_, ending)| ending.eq_ignore_ascii_case(expected));
     if bytes.trim_ascii().is_empty() {
+        // The channels of the test lie beside it.
+        if ends_in("mme") || ends_in("chn") {
+            return Ok(&iso_mme::ISO_MME);
+        }
         let found = if bytes.is_empty() { "the file is empty" } else { "the file holds nothing but blanks" };
         return refuse(file, found, WHAT_IS_READ, "check that the export or the download is complete");
     }
@@ -53,8 +59,7 @@ pub(crate) fn recognise(file: &str, bytes: &[u8]) -> Result<&'static Reader> {
         return Err(IngestError::foreign(file, what, instead));
     }
     let head = &bytes[..bytes.len().min(8192)];
-    let is_mme = file.rsplit_once('.').is_some_and(|(_, ending)| ending.eq_ignore_ascii_case("mme"));
-    if is_mme && !iso_mme::channel_file::recognises(head) && iso_mme::channel_file::has_keyword_lines(head) {
+    if ends_in("mme") && !iso_mme::channel_file::recognises(head) && iso_mme::channel_file::has_keyword_lines(head) {
         return Ok(&iso_mme::ISO_MME);
     }
     READERS.iter().copied().find(|reader| (reader.recognises)(head)).ok_or_else(|| {
@@ -116,10 +121,47 @@ const FORMATS: &[Foreign] = &[
     (
         "an MDF measurement file (MDF 3 or MDF4)",
         "export it as CSV with asammdf: \
-            python -c \"import asammdf; asammdf.MDF('FILE').export('csv', 'out.csv')\"",
+            python -c \"import asammdf; asammdf.MDF('FILE').export('csv', 'out.csv', time_from_zero=False, \
+            add_units=True)\"; that writes a file out.NAME.csv for each channel group",
         |b| b.starts_with(b"MDF     ") || b.starts_with(b"UnFinMF "),
     ),
-    ("a Parquet file", TABLE, |b| b.starts_with(b"PAR1")),
+    (
+        "a Parquet file",
+        "write it as CSV: python -c \"import pandas; pandas.read_parquet('FILE').to_csv('out.csv', index=False)\"",
+        |b| b.starts_with(b"PAR1"),
+    ),
+    (
+        "an Arrow or Feather file",
+        "write it as CSV: python -c \"import pandas; pandas.read_feather('FILE').to_csv('out.csv', index=False)\"",
+        |b| b.starts_with(b"ARROW1\0\0") || b.starts_with(b"FEA1"),
+    ),
+    (
+        "an array of NumPy (.npy)",
+        "write time and acceleration as the columns of a CSV file: numpy.savetxt('out.csv', \
+            numpy.column_stack([t, a]), delimiter=',', header='time [s],accel [g]', comments='')",
+        |b| b.starts_with(b"\x93NUMPY"),
+    ),
+    ("a text file of Octave", OCTAVE, |b| {
+        let lines: Vec<&[u8]> = text(b).split(|b| *b == b'\n').take(2).collect();
+        text(b).starts_with(b"# Created by Octave")
+            || matches!(lines.as_slice(), [name, kind] if name.starts_with(b"# name: ") && kind.starts_with(b"# type: "))
+    }),
+    ("a binary file of Octave", OCTAVE, |b| b.starts_with(b"Octave-1-")),
+    ("the nodal output of LS-DYNA (nodout)", LS_DYNA, |b| has(b, b"n o d a l   p r i n t   o u t")),
+    ("an output text of LS-DYNA (glstat, matsum, rcforc or another one)", LS_DYNA, is_ls_dyna_text),
+    ("an output database of LS-DYNA (binout)", LS_DYNA, is_binout),
+    ("a plot database of LS-DYNA (d3plot)", LS_DYNA, is_d3plot),
+    ("a DEWESoft file", DEWESOFT, |b| has_early(b, b"MULTI_STREAM_FILE") || has_early(b, b"Dewesoft_Data")),
+    (
+        "a VBOX file (.vbo)",
+        "export time and longitudinal acceleration as CSV from VBOX Test Suite, with their units in the header",
+        |b| text(b).starts_with(b"File created on") && (has(b, b"[header]") || has(b, b"[column names]")),
+    ),
+    ("a catman file", CATMAN, |b| {
+        // File identifiers 5009 to 5014, then where the data begin.
+        matches!(b, [0x91..=0x96, 0x13, _, _, 0..=0x0F, 0, ..])
+    }),
+    ("an imc FAMOS file", TABLE, |b| b.starts_with(b"|CF,")),
     ("an old Excel or other Office document", TABLE, |b| b.starts_with(b"\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1")),
     // A zip archive that is given is opened before this; what comes here was in one.
     ("a zip archive inside an archive", "unpack the outer one and give the inner one", |b| {
@@ -140,6 +182,41 @@ const FORMATS: &[Foreign] = &[
     ("an executable program", "give the record itself", |b| b.starts_with(b"\x7FELF") || b.starts_with(b"MZ\x90\0")),
 ];
 
+const OCTAVE: &str = "save it in Octave for MATLAB: save -v7 record.mat t a, with the names of time and acceleration";
+const LS_DYNA: &str = "write time and x-acceleration of one node as a table from LS-PrePost (ASCII or binout, nodout, \
+    x-acceleration, save as CSV), with their units in the header";
+const DEWESOFT: &str = "export time and acceleration as CSV or as MATLAB file from DEWESoft";
+const CATMAN: &str = "export time and acceleration as ASCII or as MATLAB file from catman";
+
+/// Title, then `ls-dyna` far from the margin with the date, as all its texts begin.
+fn is_ls_dyna_text(bytes: &[u8]) -> bool {
+    let is_version = |line: &[u8]| {
+        let line = line.to_ascii_lowercase();
+        line.starts_with(b"     ") && line.trim_ascii_start().starts_with(b"ls-dyna") && has(&line, b"date")
+    };
+    bytes.split(|b| *b == b'\n').take(4).any(is_version) || has(bytes, b"dt of cycle ")
+}
+
+/// LSDA: lengths of the header and of what follows, byte order, IEEE numbers.
+fn is_binout(bytes: &[u8]) -> bool {
+    matches!(bytes, [8, 4 | 8, 4 | 8, 1, 1, 0 | 1, 0, ..])
+}
+
+/// The control block: ten words of title, then time, kind of file, version, number of dimensions, of nodes, 6 for
+/// LS-DYNA; words of four or eight bytes.
+fn is_d3plot(bytes: &[u8]) -> bool {
+    let is_of_words = |size: usize| {
+        let word =
+            |k: usize| bytes.get(k * size..k * size + 4).and_then(|b| Some(u32::from_le_bytes(b.try_into().ok()?)));
+        let title = bytes.get(..10 * size).is_some_and(|b| b.iter().all(|b| matches!(b, 0 | b' '..=b'~')));
+        title
+            && matches!(word(11), Some(1 | 5 | 11))
+            && matches!(word(15), Some(2..=8))
+            && matches!(word(17), Some(2 | 6))
+    };
+    is_of_words(4) || is_of_words(8)
+}
+
 const DTS: &str = "export the test as ISO-MME (ISO 13499) or CSV from the DTS software";
 
 /// Binary formats without a mark of their own, by the ending of the name: only asked where the content is not known.
@@ -157,6 +234,8 @@ const BY_ENDING: &[(&[&str], &str, &str)] = &[
     (&["tlf", "bin"], "a DTS TDAS file, perhaps", DTS),
     (&["dts", "chn"], "a DTS SLICE file, perhaps", DTS),
     (&["pi", "dsp"], "a DADiSP file, perhaps", "export the channels as CSV from DADiSP"),
+    (&["dxd", "d7d", "d7z"], "a DEWESoft file, perhaps", DEWESOFT),
+    (&["mat"], "a MATLAB file of version 4, perhaps", "save it in MATLAB or Octave as version 7: save -v7"),
 ];
 
 /// What a file of unknown content may be by its name, and what to do instead.
@@ -210,7 +289,15 @@ mod tests {
 
     #[test]
     fn names_formats_by_their_magic() {
-        let cases: [(&[u8], &str); 7] = [
+        let d3plot = |size: usize| {
+            let mut bytes = vec![b' '; 64 * size];
+            for (word, value) in [(11, 1_u8), (15, 4), (16, 90), (17, 6)] {
+                bytes[word * size..(word + 1) * size].fill(0);
+                bytes[word * size] = value;
+            }
+            bytes
+        };
+        let cases: [(&[u8], &str); 22] = [
             (b"%PDF-1.7\n", "PDF"),
             (b"TDSh\x0e\0\0\0", "TDMS index"),
             (b"SQLite format 3\0", "SQLite"),
@@ -218,6 +305,21 @@ mod tests {
             (b"MDF     4.10    ", "MDF4"),
             (b"{\"General Test Info\": {}}", "NHTSA"),
             (b"<?xml version=\"1.0\"?>\n<test>", "XML"),
+            (b"PAR1\x15\x04", "Parquet"),
+            (b"ARROW1\0\0\xff", "Feather"),
+            (b"\x93NUMPY\x01\0", "NumPy"),
+            (b"# Created by Octave 7.3.0, Sat\n# name: t\n", "text file of Octave"),
+            (b"# name: t\n# type: matrix\n# rows: 2\n", "text file of Octave"),
+            (b"Octave-1-L\0", "binary file of Octave"),
+            (b" sled\n        ls-dyna smp.1       date 1/2/2024\n\n n o d a l   p r i n t   o u t   f o r\n", "nodout"),
+            (b" sled\n        LS-DYNA smp.1       date 1/2/2024\n dt of cycle 1 is\n", "glstat"),
+            (b"\x08\x08\x08\x01\x01\x01\0\0\x0b", "binout"),
+            (&d3plot(4), "d3plot"),
+            (&d3plot(8), "d3plot"),
+            (b"MULTI_STREAM_FILE_VER02106\0\0\0Dewesoft_Data_7.x__", "DEWESoft"),
+            (b"File created on 12/03/2020 @ 13:05\r\n\r\n[header]\r\nsatellites\r\n", "VBOX"),
+            (b"\x94\x13\x20\x01\0\0\x05\0", "catman"),
+            (b"|CF,2,1,1;|CK,1,3,1,1;", "imc"),
         ];
         for (bytes, name) in cases {
             let (what, instead) = recognise_foreign(bytes).unwrap();
@@ -234,9 +336,15 @@ mod tests {
 
     #[test]
     fn leaves_tables_and_ev5_alone() {
-        for text in
-            ["time_s,accel_g\n0,1\n", "# channel: 3\n0 1\n", "# Source\n----- EV5 -----\n", "-1 2\n-0.9 3\n", ""]
-        {
+        for text in [
+            "time_s,accel_g\n0,1\n",
+            "# from ls-dyna, date 1/2/24\n0 1\n",
+            "# name: x\n0 1\n",
+            "# channel: 3\n0 1\n",
+            "# Source\n----- EV5 -----\n",
+            "-1 2\n-0.9 3\n",
+            "",
+        ] {
             assert_eq!(recognise_foreign(text.as_bytes()), None, "{text}");
         }
     }

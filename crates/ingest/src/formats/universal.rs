@@ -4,13 +4,15 @@
 //! how many numbers of which precision follow and at which steps, the eighth and ninth name abscissa and ordinate with
 //! their units.
 
+use std::collections::BTreeSet;
+
 use crumple_signal::Notes;
 
 use crate::formats::reader::{Bundle, Reader};
 use crate::formats::text::lines::{Lines, decode, field, without_mark};
 use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::conversion;
-use crate::recording::content::Recording;
+use crate::recording::content::{Recording, list};
 use crate::recording::details::Details;
 use crate::{IngestSettings, Place, Result, refuse};
 
@@ -25,16 +27,26 @@ fn recognises(head: &[u8]) -> bool {
 
 fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
     let file = bundle.main.name.as_str();
-    let waveforms = data_sets(file, &without_mark(&bundle.main.bytes))?;
-    conversion::recording(file, waveforms, Details::default(), settings, Notes::new())
+    let mut notes = Notes::new();
+    let waveforms = data_sets(file, &without_mark(&bundle.main.bytes), &mut notes)?;
+    conversion::recording(file, waveforms, Details::default(), settings, notes)
 }
 
-fn data_sets(file: &str, text: &[u8]) -> Result<Vec<Waveform>> {
+fn data_sets(file: &str, text: &[u8], notes: &mut Notes) -> Result<Vec<Waveform>> {
+    let refuse = |line, found: &str, hint| {
+        refuse(Place::line(file, line), found, "whole data sets 58 of real numbers in ASCII", hint)
+    };
     let (mut waveforms, mut set): (Vec<Waveform>, Option<(usize, Vec<String>)>) = (Vec::new(), None);
+    let mut unread: BTreeSet<String> = BTreeSet::new();
     let mut lines = Lines::new(file, text);
     while let Some(line) = lines.take()? {
         if line.bytes.trim_ascii() != b"-1" {
             if let Some((_, set)) = &mut set {
+                // Its numbers may hold bytes of any kind, and its end need not stand on a line of its own.
+                if set.is_empty() && line.bytes.trim_ascii().to_ascii_lowercase().starts_with(b"58b") {
+                    let hint = "export it in ASCII, as UFF 58";
+                    return refuse(line.number, "a binary data set (UFF 58b), which is not read", hint);
+                }
                 set.push(decode(line.bytes));
             }
             continue;
@@ -43,18 +55,25 @@ fn data_sets(file: &str, text: &[u8]) -> Result<Vec<Waveform>> {
             set = Some((line.number, Vec::new()));
             continue;
         };
-        let refuse =
-            |found: &str, hint| refuse(Place::line(file, start), found, "data sets 58 of real numbers in ASCII", hint);
         match of_set.first().map_or("", |line| line.trim()) {
             "58" => match waveforms_of(&of_set[1..], waveforms.len()) {
                 Ok(of_set) => waveforms.extend(of_set),
-                Err(found) => return refuse(&found, "the file may be cut short or damaged: export it again"),
+                Err(found) => return refuse(start, &found, "the file may be cut short or damaged: export it again"),
             },
-            kind if kind.starts_with("58b") => {
-                return refuse("a binary universal file (UFF 58b)", "export it in ASCII, as UFF 58");
-            }
-            _ => {}
+            // Header and units.
+            "" | "151" | "164" => {}
+            other => drop(unread.insert(other.chars().take(20).collect())),
         }
+    }
+    if let Some((start, of_set)) = set {
+        let name = of_set.get(1).map_or("", |line| line.trim());
+        let found =
+            format!("the file ends before the end (-1) of the data set that begins here, {name:?}: it is cut short");
+        return refuse(start, &found, "copy or export the file again");
+    }
+    if !unread.is_empty() {
+        let kinds: Vec<String> = unread.into_iter().collect();
+        notes.info(format!("data sets of other kinds than 58 are not read: {}", list(&kinds)));
     }
     Ok(waveforms)
 }

@@ -1,18 +1,21 @@
 //! Excel workbooks (.xlsx): a sheet is a table as any other.
+//!
+//! Programs write formulas without values: openpyxl none, XlsxWriter 0. A column of such is named and not read.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Cursor;
 
-use calamine::{Data, DataRef, Reader as _, Xlsx, XlsxError};
-use crumple_signal::Notes;
+use calamine::{Data, DataRef, Reader as _, Xlsx, XlsxCellFormulaMetadataRecord, XlsxError};
+use crumple_signal::{Channel, Notes, QuantityKind};
 
 use crate::formats::reader::{Bundle, Reader};
 use crate::formats::table::layout::{COLUMN_LIMIT, Cells};
 use crate::formats::table::numbers::Rows;
 use crate::formats::table::{channels_of, header, recording};
-use crate::formats::text::column_names::Unit;
+use crate::formats::text::column_names::{Unit, split_unit};
 use crate::formats::text::stamps::stamp;
-use crate::recording::content::{LineNumbers, MINIMUM_SAMPLES, Recording};
+use crate::formats::waveform::channel::clean;
+use crate::recording::content::{LineNumbers, MINIMUM_SAMPLES, ReadChannel, Recording, list};
 use crate::recording::details::Details;
 use crate::{IngestError, IngestSettings, Place, Result, refuse_size};
 
@@ -31,7 +34,16 @@ pub fn recognises(head: &[u8]) -> bool {
 }
 
 /// The filled cells of a sheet, by row and column from 0.
-type Sheet = BTreeMap<u32, BTreeMap<u32, Data>>;
+type Grid = BTreeMap<u32, BTreeMap<u32, Data>>;
+
+/// A sheet: its cells, and the formulas that have no values, by column.
+#[derive(Default)]
+struct Sheet {
+    cells: Grid,
+    formulas: BTreeMap<u32, usize>,
+}
+
+const SAVE_VALUES: &str = "open the workbook in a spreadsheet program and save it: that stores the values of formulas";
 
 fn refuse(file: &str, found: impl std::fmt::Display, hint: &str) -> IngestError {
     IngestError::content(file, found, "a sheet with rows of numbers below the names of their columns", hint)
@@ -43,17 +55,23 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
     let mut workbook: Xlsx<_> = Xlsx::new(Cursor::new(bytes)).map_err(damaged)?;
     let names = workbook.sheet_names();
     let is_meant = |name: &String| settings.sheet.as_ref().is_none_or(|sheet| sheet.eq_ignore_ascii_case(name.trim()));
-    let mut tables = Vec::new();
+    let (mut tables, mut formulas) = (Vec::new(), 0);
     for name in names.iter().filter(|name| is_meant(name)) {
         let sheet = cells_of(file, &mut workbook, name)?;
-        if let Some(first) = first_row(&sheet, settings).filter(|first| sheet.range(first..).count() >= MINIMUM_SAMPLES)
-        {
+        formulas += sheet.formulas.values().sum::<usize>();
+        let first = first_row(&sheet.cells, settings);
+        if let Some(first) = first.filter(|first| sheet.cells.range(first..).count() >= MINIMUM_SAMPLES) {
             tables.push((name, sheet, first));
         }
     }
     let several: Vec<String> = tables.iter().map(|(name, ..)| format!("{name:?}")).collect();
     match tables.as_slice() {
         [(_, sheet, first)] => table(file, sheet, *first, settings),
+        [] if formulas > 0 => {
+            let found =
+                format!("no sheet has {MINIMUM_SAMPLES} rows of numbers: {formulas} formulas have no stored values");
+            Err(refuse(file, found, SAVE_VALUES))
+        }
         [] => {
             let found = format!("no sheet has {MINIMUM_SAMPLES} rows of numbers; its sheets: {}", names.join(", "));
             Err(refuse(file, found, "name another sheet by --sheet, or save the sheet with the record as CSV"))
@@ -68,22 +86,39 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
 
 /// The cells of a sheet one by one: what a sheet states of its size reserves nothing.
 fn cells_of(file: &str, workbook: &mut Xlsx<Cursor<&[u8]>>, name: &str) -> Result<Sheet> {
-    let mut sheet = Sheet::new();
+    let mut sheet = Sheet::default();
+    // Columns of which a formula has a value other than 0.
+    let mut computed = BTreeSet::new();
     // A sheet of a chart has no cells.
     let Ok(mut cells) = workbook.worksheet_cells_reader(name) else { return Ok(sheet) };
     loop {
-        let cell =
-            cells.next_cell().map_err(|error| refuse(file, format!("sheet {name}: {error}"), "save it again"))?;
-        let Some(cell) = cell else { return Ok(sheet) };
-        let (row, column) = cell.get_position();
+        let cell = cells
+            .next_cell_with_formula_metadata()
+            .map_err(|error| refuse(file, format!("sheet {name}: {error}"), "save it again"))?;
+        let Some(XlsxCellFormulaMetadataRecord { pos: (row, column), value, formula, .. }) = cell else { break };
         if column as usize >= COLUMN_LIMIT {
             let place = Place::line(file, row as usize + 1);
             return refuse_size(place, "too many columns", format!("at most {COLUMN_LIMIT} columns"));
         }
-        if !matches!(cell.get_value(), DataRef::Empty | DataRef::Error(_)) {
-            sheet.entry(row).or_default().insert(column, Data::from(cell.get_value().clone()));
+        if formula.is_some() {
+            *sheet.formulas.entry(column).or_default() += 1;
+            if !matches!(value, DataRef::Empty) && value != DataRef::Float(0.0) {
+                computed.insert(column);
+            }
+        }
+        if !matches!(value, DataRef::Empty | DataRef::Error(_)) {
+            sheet.cells.entry(row).or_default().insert(column, Data::from(value));
         }
     }
+    sheet.formulas.retain(|column, count| *count >= MINIMUM_SAMPLES && !computed.contains(column));
+    // Zeros of formulas are no values.
+    if !sheet.formulas.is_empty() {
+        sheet.cells.retain(|_, row| {
+            row.retain(|column, cell| !(sheet.formulas.contains_key(column) && *cell == Data::Float(0.0)));
+            !row.is_empty()
+        });
+    }
+    Ok(sheet)
 }
 
 /// What a cell is as one of a row of numbers.
@@ -101,7 +136,7 @@ fn counted(row: &BTreeMap<u32, Data>) -> Vec<u32> {
 }
 
 /// The first of three rows of numbers in the same columns, of which the later may lack some.
-fn first_row(sheet: &Sheet, settings: &IngestSettings) -> Option<u32> {
+fn first_row(sheet: &Grid, settings: &IngestSettings) -> Option<u32> {
     let least = if settings.sample_time.is_some() { 1 } else { 2 };
     let rows: Vec<(u32, Vec<u32>)> = sheet.iter().map(|(row, cells)| (*row, counted(cells))).collect();
     let is_first = |rows: &[(u32, Vec<u32>)]| {
@@ -115,7 +150,8 @@ fn first_row(sheet: &Sheet, settings: &IngestSettings) -> Option<u32> {
 }
 
 /// The table whose rows start at `first`: the lines above are names and units, words below end it.
-fn table(file: &str, sheet: &Sheet, first: u32, settings: &IngestSettings) -> Result<Recording> {
+fn table(file: &str, whole: &Sheet, first: u32, settings: &IngestSettings) -> Result<Recording> {
+    let sheet = &whole.cells;
     let columns = counted(&sheet[&first]);
     let line = |row: u32| row as usize + 1;
     let text = |cell: Option<&Data>| cell.map_or_else(String::new, Data::to_string);
@@ -157,6 +193,30 @@ fn table(file: &str, sheet: &Sheet, first: u32, settings: &IngestSettings) -> Re
         }
     }
     let mut notes = Notes::new();
-    let channels = channels_of(file, &header, rows, settings, (None, None), &mut notes)?;
+    let unread = without_values(whole, first);
+    let reasons: Vec<String> = unread.iter().map(|(title, reason)| format!("column {title:?}: {reason}")).collect();
+    let channels = channels_of(file, &header, rows, settings, (None, None), &mut notes);
+    let mut channels = match channels {
+        Err(error) if !reasons.is_empty() => {
+            return Err(refuse(file, format!("{}; of the others: {error}", list(&reasons)), SAVE_VALUES));
+        }
+        channels => channels?,
+    };
+    reasons.iter().for_each(|reason| notes.warning(format!("not read: {reason}. To have it, {SAVE_VALUES}")));
+    for (title, reason) in unread.into_iter().filter(|_| settings.listing) {
+        let channel = Channel::new(clean(&split_unit(&title).0), QuantityKind::Other);
+        channels.push(ReadChannel::without_readable_file(channel, reason));
+    }
     Ok(recording(channels, Details::default(), settings, notes))
+}
+
+/// Title and reason of the columns of formulas without values; `first`: the first row of numbers.
+fn without_values(sheet: &Sheet, first: u32) -> Vec<(String, String)> {
+    let of_column = |(column, count): (&u32, &usize)| {
+        let above = sheet.cells.range(..first).filter_map(|(_, cells)| cells.get(column).map(Data::to_string));
+        let title = above.collect::<Vec<String>>().join(" ");
+        let title = if title.is_empty() { format!("column {}", column + 1) } else { title };
+        (title, format!("its {count} formulas have no stored values, or 0 all over"))
+    };
+    sheet.formulas.iter().map(of_column).collect()
 }

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use crumple_ingest::{IngestError, Ingested};
 
-use crate::{given, open, write, zipped};
+use crate::{given, notes, open, write, zipped};
 
 const ROWS: usize = 300;
 
@@ -30,10 +30,14 @@ fn check(ingested: &Ingested) {
     assert!((0..ROWS).all(|k| wave.samples()[k] == accel(k)));
 }
 
-/// A workbook of sheets, each of rows of cells: numbers, or words.
+/// A workbook of sheets, each of rows of cells: numbers, words, or `=` and what a program stored as the value of a
+/// formula.
 fn workbook(sheets: &[(&str, Vec<Vec<String>>)]) -> Vec<u8> {
     let cell = |row: usize, k: usize, text: &str| {
         let place = format!("{}{}", char::from(b'A' + k as u8), row + 1);
+        if let Some(stored) = text.strip_prefix('=') {
+            return format!("<c r=\"{place}\"><f>SUM(A1)</f><v>{stored}</v></c>");
+        }
         match text.parse::<f64>() {
             Ok(x) => format!("<c r=\"{place}\"><v>{x}</v></c>"),
             Err(_) => format!("<c r=\"{place}\" t=\"inlineStr\"><is><t>{text}</t></is></c>"),
@@ -96,6 +100,34 @@ fn a_sheet_is_a_table_and_several_are_asked_about() {
     assert_eq!((wave.t0_s(), wave.dt_s()), (0.0, 5e-4));
 }
 
+#[test]
+fn columns_of_formulas_without_values_are_named() {
+    let with = |stored: &str, unit: &str| {
+        let mut rows = sheet(&[&["Time (s)", unit]], |k| time_s(k).to_string());
+        rows[0].push("floor right [g]".to_owned());
+        rows[1..].iter_mut().for_each(|row| row.push(format!("={stored}")));
+        workbook(&[("Sheet1", rows)])
+    };
+    for stored in ["", "0"] {
+        let ingested = read_as("a.xlsx", with(stored, "Accel (m/s^2)"), "").unwrap();
+        check(&ingested);
+        let text = notes(&ingested);
+        assert!(
+            text.contains("not read: column \"floor right [g]\": its 300 formulas have no stored values"),
+            "{text}"
+        );
+        let error = read_as("a.xlsx", with(stored, "raw [mV]"), "").unwrap_err();
+        assert!(error.to_string().contains("floor right [g]") && error.hint().contains("save it"), "{error}");
+    }
+    // As a spreadsheet program stores them.
+    let mut rows = sheet(&[&["Time (s)", "Accel (m/s^2)"]], |k| time_s(k).to_string());
+    rows[1..].iter_mut().for_each(|row| row[1] = format!("={}", row[1]));
+    check(&read_as("a.xlsx", workbook(&[("Sheet1", rows)]), "").unwrap());
+    let rows = (0..60).map(|_| vec!["=".to_owned(), "=".to_owned()]).collect();
+    let error = read_as("a.xlsx", workbook(&[("Sheet1", rows)]), "").unwrap_err();
+    assert!(error.to_string().contains("120 formulas have no stored values"), "{error}");
+}
+
 /// An element of a MATLAB file.
 fn element(kind: u32, data: &[u8]) -> Vec<u8> {
     let mut bytes = [kind.to_le_bytes(), (data.len() as u32).to_le_bytes()].concat();
@@ -149,6 +181,24 @@ fn variables_matrices_and_structs_of_matlab_are_channels() {
 }
 
 #[test]
+fn a_code_behind_the_prefix_of_its_writer_is_a_code() {
+    for (name, code) in [
+        ("x11SILLLE0000ACXP", Some("11SILLLE0000ACXP")),
+        ("M_11SILLLE0000ACXP", Some("11SILLLE0000ACXP")),
+        ("M_10SILL00FRACXP", None),
+    ] {
+        let t = numbers("t", [ROWS, 1], (0..ROWS).map(time_s));
+        let file = matlab(&[t, numbers(name, [ROWS, 1], (0..ROWS).map(accel))]);
+        let ingested = read_as("a.mat", file, &format!("--unit m/s^2 --channel {name}")).unwrap();
+        check(&ingested);
+        let channel = ingested.test.channel(name).unwrap();
+        assert_eq!(channel.code.as_deref(), code, "{name}");
+        let location = if code.is_some() { "vehicle, front left, sill, left" } else { "" };
+        assert_eq!(channel.location, location, "{name}");
+    }
+}
+
+#[test]
 fn a_data_set_58_is_a_channel() {
     let about = |even: bool| {
         format!(
@@ -178,6 +228,21 @@ fn a_data_set_58_is_a_channel() {
     let short = about(true) + "  0.00000E+00\n    -1\n";
     let error = read_as("a.uff", &short, "").unwrap_err();
     assert!(error.to_string().contains("300 numbers are announced, 1 are there"), "{error}");
+    let whole = about(true) + &even + "    -1\n";
+    let refused = |rest: &[u8]| read_as("a.uff", [whole.as_bytes(), rest].concat(), "").unwrap_err().to_string();
+    // Cut in the second set: behind its first line, in its description, in its numbers.
+    for rest in ["    -1\n".to_owned(), about(true), about(true) + &even[..1000], about(true) + &even] {
+        let error = refused(rest.as_bytes());
+        assert!(error.contains("it is cut short"), "{error}");
+    }
+    let binary = about(true).replacen("    58\n", "    58b     1     2          11        2400     0     0\n", 1);
+    // The end of a binary set stands behind its last byte.
+    let error = refused(&[binary.as_bytes(), &[0, 10, 255, 13], b"    -1\n"].concat());
+    assert_eq!(error, "a.uff, line 65: a binary data set (UFF 58b), which is not read");
+    let others = whole.clone() + "    -1\n    15\n         1\n    -1\n";
+    let ingested = read_as("a.uff", others, "").unwrap();
+    check(&ingested);
+    assert!(notes(&ingested).contains("data sets of other kinds than 58 are not read: 15"));
 }
 
 #[test]
@@ -200,4 +265,26 @@ fn channels_of_a_test_may_lie_in_an_archive_beside_its_description() {
     let channels = zipped(&[("Channel/T1.001", channel)]);
     write(folder.path(), &[("T1.mme", description.as_bytes()), ("Channel.zip", &channels)]);
     check(&open(folder.path(), &given("")).unwrap());
+}
+
+#[test]
+fn a_description_that_states_nothing_is_noted() {
+    let samples: String = (0..ROWS).map(|k| format!("{}\n", accel(k))).collect();
+    let channel = format!(
+        "Channel code :10VEHCCG0000ACXP\nUnit :m/(s*s)\nSampling interval :5e-4\nTime of first sample :-0.05\n{samples}"
+    );
+    for description in ["", "\r\n \n", "Title :\n", "Title :NOVALUE\nMass test object 1 :\n"] {
+        let files = [("T1.mme", description.as_bytes()), ("Channel/T1.001", channel.as_bytes())];
+        let folder = tempfile::tempdir().unwrap();
+        write(folder.path(), &files);
+        write(folder.path(), &[("T1.zip", zipped(&files))]);
+        for path in ["T1.mme", "T1.zip"] {
+            let ingested = open(folder.path().join(path), &given("")).unwrap();
+            check(&ingested);
+            let text = notes(&ingested);
+            assert!(text.contains("T1.mme states nothing of the test"), "{text}");
+        }
+    }
+    let error = read_as("T1.mme", "", "").unwrap_err();
+    assert!(error.to_string().contains("none of the channel files of T1.mme is here"), "{error}");
 }

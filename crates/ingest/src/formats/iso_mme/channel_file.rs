@@ -29,8 +29,7 @@ pub fn recognises(head: &[u8]) -> bool {
     })
 }
 
-/// Whether the start of a file is a text of lines `keyword :value`: three at least, and half of those that say
-/// something.
+/// Whether the start of a file is a text of lines `keyword :value`: half of those that say something at least.
 pub fn has_keyword_lines(head: &[u8]) -> bool {
     if head.contains(&0) {
         return false;
@@ -39,7 +38,7 @@ pub fn has_keyword_lines(head: &[u8]) -> bool {
     let keywords = lines()
         .filter(|line| line.iter().position(|b| *b == b':').is_some_and(|at| at > 0 && line[0].is_ascii_alphabetic()));
     let keywords = keywords.count();
-    keywords >= 3 && 2 * keywords >= lines().count()
+    keywords >= 1 && 2 * keywords >= lines().count()
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -43,13 +43,16 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
     };
     let mut details = Details::default();
     if let Some((name, bytes)) = part(".mme") {
-        if !channel_file::recognises(bytes) {
+        let header = Header::parse(name, bytes)?;
+        if header.entries().next().is_none() {
+            notes.warning(format!("{name} states nothing of the test: vehicle, mass and speed are not known from it"));
+        } else if !channel_file::recognises(bytes) {
             notes.warning(format!(
                 "{name} lacks the line \"Data format edition number\": read as ISO-MME by its name and its keyword \
                  lines"
             ));
         }
-        details = details_of(name, &Header::parse(name, bytes)?, settings, &mut notes);
+        details = details_of(name, &header, settings, &mut notes);
     }
 
     let mut channels = Vec::new();
@@ -130,6 +133,9 @@ fn add_listed_channels(name: &str, list: &Header, channels: &mut Vec<ReadChannel
         channel.status = ChannelStatus::Absent;
         channels.push(ReadChannel::new(channel));
         absent += 1;
+    }
+    if listed == 0 {
+        notes.info(format!("{name} lists no channels"));
     }
     if absent > 0 {
         notes.info(format!("{absent} of {listed} channels listed in {name} have no file here"));

@@ -3,7 +3,9 @@
 //! NI scaling: raw values of a card to values with a unit.
 //!
 //! A channel lists scales by number; each takes its input from another one or from the raw values, and the last gives
-//! the result. Linear scales are applied; a channel with another kind is refused by its name.
+//! the result. Linear scales are applied; a channel with another kind is refused by its name. As in npTDMS 1.13 scales
+//! are those of the first of channel, group and file that has any, the highest number is the last where their number is
+//! not stated, and they are applied unless the values are said to be scaled.
 
 use std::collections::BTreeMap;
 
@@ -290,6 +292,16 @@ pub fn names(path: &str) -> Option<Vec<String>> {
 /// Slope and intercept.
 pub type Linear = (f64, f64);
 
+/// How many scales a level lists.
+fn number_of_scales(properties: &Properties) -> Option<f64> {
+    let listed = |name: &String| name.strip_prefix("NI_Scale[")?.strip_suffix("]_Scale_Type")?.parse::<u32>().ok();
+    let count = match properties.get("NI_Number_Of_Scales") {
+        Some(Property::Number(count)) => Some(*count),
+        _ => properties.keys().filter_map(listed).max().map(|last| f64::from(last) + 1.0),
+    };
+    count.filter(|n| *n >= 1.0)
+}
+
 /// The scales to apply, in order; none if the values are final. `layers`: properties of the channel, its group, the
 /// file.
 pub fn chain(layers: &[&Properties], is_daqmx: bool) -> Result<Vec<Linear>, String> {
@@ -298,28 +310,35 @@ pub fn chain(layers: &[&Properties], is_daqmx: bool) -> Result<Vec<Linear>, Stri
         Some(Property::Number(x)) => Some(*x),
         _ => None,
     };
-    let count = number("NI_Number_Of_Scales").filter(|n| *n >= 1.0);
-    let unscaled = match find("NI_Scaling_Status") {
-        Some(Property::Text(status)) => status == "unscaled",
-        _ => is_daqmx,
+    let status = match find("NI_Scaling_Status") {
+        Some(Property::Text(status)) => status.as_str(),
+        _ => "",
     };
-    let Some(count) = count.filter(|_| unscaled) else { return Ok(Vec::new()) };
+    let count = layers.iter().find_map(|layer| number_of_scales(layer)).filter(|_| status != "scaled");
     let mut scales = Vec::new();
-    let mut scale = count - 1.0;
+    let mut scale = count.map_or(f64::from(u32::MAX), |count| count - 1.0);
     // A scale without a kind, and the number 2^32 - 1, are the raw values.
     while let Some(Property::Text(kind)) = find(&format!("NI_Scale[{scale}]_Scale_Type")) {
-        if kind != "Linear" {
-            return Err(format!("its scale {scale} is of kind {kind}, only Linear is applied"));
-        }
         let part = |part: &str| {
-            let name = format!("NI_Scale[{scale}]_Linear_{part}");
+            let name = format!("NI_Scale[{scale}]_{kind}_{part}");
             number(&name).filter(|x| x.is_finite()).ok_or_else(|| format!("its property {name} is not a number"))
         };
-        scales.push((part("Slope")?, part("Y_Intercept")?));
+        match kind.as_str() {
+            "Linear" => scales.push((part("Slope")?, part("Y_Intercept")?)),
+            // Stands for settings of the card; the values pass.
+            "AdvancedAPI" => scales.push((1.0, 0.0)),
+            _ => return Err(format!("its scale {scale} is of kind {kind}, only Linear is applied")),
+        }
         if scales.len() > 64 {
             return Err("its scales refer to each other in a circle".to_owned());
         }
-        scale = number(&format!("NI_Scale[{scale}]_Linear_Input_Source")).unwrap_or(f64::from(u32::MAX));
+        scale = part("Input_Source").unwrap_or(f64::from(u32::MAX));
+    }
+    if scales.is_empty() && !is_daqmx && (count.is_some() || status == "unscaled") {
+        return Err(
+            "its values are raw (unscaled), and the scale that would make them numbers with a unit is not stated"
+                .to_owned(),
+        );
     }
     scales.reverse();
     Ok(scales)

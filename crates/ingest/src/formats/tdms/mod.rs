@@ -17,7 +17,7 @@ use crate::formats::ev5::sensor;
 use crate::formats::ev5::specification::{Barrier, Curve, Record, Test, Vehicle, details};
 use crate::formats::reader::{Bundle, Reader};
 use crate::formats::tdms::metadata::{Properties, Property, names};
-use crate::formats::tdms::segments::{Content, Object};
+use crate::formats::tdms::segments::{Content, Object, is_date};
 use crate::formats::text::stamps::Instant;
 use crate::formats::text::stamps::instant;
 use crate::formats::waveform::channel::Waveform;
@@ -127,10 +127,8 @@ fn number(properties: &Properties, name: &str) -> Option<f64> {
 
 /// When the time of a channel is 0, if it says so.
 fn start_time(properties: &Properties) -> Option<Instant> {
-    // Years before 1910 stand for no date.
-    const NO_DATE_S: i64 = 200_000_000;
     match properties.get("wf_start_time") {
-        Some(Property::Time(start)) => Some(*start).filter(|start| start.seconds > NO_DATE_S),
+        Some(Property::Time(start)) => Some(*start).filter(|start| is_date(*start)),
         Some(Property::Text(text)) => instant(text),
         _ => None,
     }
@@ -154,10 +152,13 @@ fn waveform(object: Object, group: &str, name: &str, scales: Result<Vec<metadata
     waveform.origin = start_time(properties);
     let mut values = object.values;
     waveform.set_stamps(object.first_stamp);
-    waveform.values = match (object.unread, scales) {
-        (Some(what), _) => Err(format!("its samples are not read: {what}")),
-        (None, Err(reason)) => Err(reason),
-        (None, Ok(scales)) => {
+    if object.parts.is_some() {
+        waveform.remedy = "write each record into a channel of its own, or export the one of the crash as CSV";
+    }
+    waveform.values = match (object.unread, object.parts, scales) {
+        (Some(what), ..) => Err(format!("its samples are not read: {what}")),
+        (None, Some(reason), _) | (None, None, Err(reason)) => Err(reason),
+        (None, None, Ok(scales)) => {
             for (slope, intercept) in scales {
                 values.iter_mut().for_each(|x| *x = slope * *x + intercept);
             }

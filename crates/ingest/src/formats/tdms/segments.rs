@@ -3,10 +3,13 @@
 //! A segment without a list of objects of its own has that of the segment before it, in the same order. A recording
 //! that was aborted has a last segment without a length, or one that runs past the end of the file: it is read as far
 //! as it goes.
+//!
+//! A segment may state step, start, unit or scale of a channel in another way than earlier ones. It goes on where only the
+//! start is another and the earlier samples end there; else the channel holds several records and is refused.
 
 use std::collections::BTreeMap;
 
-use crate::formats::tdms::metadata::{self, Properties, RawIndex, SegmentData, Type, entry};
+use crate::formats::tdms::metadata::{self, Properties, Property, RawIndex, SegmentData, Type, entry};
 use crate::formats::text::stamps::Instant;
 use crate::{Refusal, Result, refuse, refuse_size};
 
@@ -43,6 +46,99 @@ pub struct Object {
     pub first_stamp: Option<Instant>,
     /// Why samples that the file has are not among the values.
     pub unread: Option<&'static str>,
+    /// Properties that later segments state in another way, and no samples were read under yet.
+    changed: Properties,
+    /// What later samples state in another way, where they do not go on where the earlier ones end.
+    pub parts: Option<String>,
+}
+
+/// What samples are read by. The latest of all other properties counts.
+const READ_BY: [&str; 7] = [
+    "NI_Number_Of_Scales",
+    "NI_UnitDescription",
+    "unit_string",
+    "wf_increment",
+    "wf_start_offset",
+    "wf_start_time",
+    "wf_xunit_string",
+];
+
+impl Object {
+    /// Takes the properties of a segment. What earlier samples are read by stays, and the new value waits for samples.
+    fn update(&mut self, properties: Vec<(String, Property)>) {
+        for (name, value) in properties {
+            let is_read_by = READ_BY.contains(&name.as_str()) || name.starts_with("NI_Scal");
+            let before = self.properties.get(&name).filter(|before| is_read_by && says(&name, before));
+            match before {
+                Some(before) if !self.values.is_empty() => {
+                    if value == *before {
+                        self.changed.remove(&name);
+                    } else if says(&name, &value) {
+                        self.changed.insert(name, value);
+                    }
+                }
+                _ => drop(self.properties.insert(name, value)),
+            }
+        }
+    }
+
+    /// Further samples under changed properties are of the same record if only their start is another, and that is
+    /// where the earlier ones end.
+    fn go_on(&mut self) {
+        let changed = std::mem::take(&mut self.changed);
+        let number = |properties: &Properties, name: &str| match properties.get(name) {
+            Some(Property::Number(x)) => Some(*x),
+            _ => None,
+        };
+        let offset = number(&self.properties, "wf_start_offset").unwrap_or(0.0);
+        let by_offset = number(&changed, "wf_start_offset").map_or(0.0, |later| later - offset);
+        let by_clock = match (self.properties.get("wf_start_time"), changed.get("wf_start_time")) {
+            (Some(Property::Time(first)), Some(Property::Time(later))) => later.since(*first),
+            _ => 0.0,
+        };
+        let is_start = |name: &String| matches!(name.as_str(), "wf_start_offset" | "wf_start_time");
+        let goes_on = number(&self.properties, "wf_increment").is_some_and(|dt| {
+            let end = dt * self.values.len() as f64;
+            changed.keys().all(is_start) && (by_offset + by_clock - end).abs() <= 0.5 * dt
+        });
+        if !goes_on && self.parts.is_none() {
+            let differs = |(name, later): (&String, &Property)| {
+                format!("{name} is {}, then {}", shown(self.properties.get(name)), shown(Some(later)))
+            };
+            let differ: Vec<String> = changed.iter().take(4).map(differs).collect();
+            let apart = if by_clock == 0.0 { String::new() } else { format!(" ({by_clock} s later)") };
+            let at = self.values.len();
+            self.parts = Some(format!("it holds several records: at sample {at} {}{apart}", differ.join("; ")));
+        }
+    }
+}
+
+/// Whether a property states something: an increment of 0, the year 1904 and no letters do not.
+fn says(name: &str, value: &Property) -> bool {
+    match value {
+        Property::Number(x) => name != "wf_increment" || *x > 0.0,
+        Property::Text(text) => !text.trim().is_empty(),
+        Property::Time(time) => is_date(*time),
+        Property::Other => false,
+    }
+}
+
+/// Years before 1910 stand for no date.
+pub fn is_date(time: Instant) -> bool {
+    time.seconds > 200_000_000
+}
+
+/// A property in words; of a date the time of the day.
+fn shown(property: Option<&Property>) -> String {
+    match property {
+        Some(Property::Number(x)) => x.to_string(),
+        Some(Property::Text(text)) => text.chars().take(40).collect(),
+        Some(Property::Time(time)) => {
+            let s = time.seconds.rem_euclid(86_400);
+            format!("{:02}:{:02}:{:06.3} UTC", s / 3600, s / 60 % 60, (s % 60) as f64 + time.fraction_s)
+        }
+        Some(Property::Other) | None => "something else".to_owned(),
+    }
 }
 
 /// Objects in the order in which they first appear, and remarks.
@@ -78,6 +174,9 @@ pub fn read(file: &str, bytes: &[u8]) -> Result<Content> {
             break;
         }
         at = walk.segment(bytes, at)?;
+    }
+    for object in &mut walk.content.objects {
+        object.properties.append(&mut object.changed);
     }
     Ok(walk.content)
 }
@@ -154,7 +253,7 @@ impl Walk<'_> {
                 }
             };
             let object = &mut self.content.objects[index];
-            object.properties.extend(entry.properties);
+            object.update(entry.properties);
             let has_data = match entry.raw {
                 SegmentData::None => false,
                 SegmentData::AsBefore if object.index.is_none() => {
@@ -228,6 +327,9 @@ impl Walk<'_> {
         }
         self.count(raw.count as u64)?;
         let object = &mut self.content.objects[object];
+        if raw.count > 0 && !object.changed.is_empty() {
+            object.go_on();
+        }
         if kind == Type::Time {
             metadata::times(raw, big_endian, &mut object.first_stamp, &mut object.values);
         } else {

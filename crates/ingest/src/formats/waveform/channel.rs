@@ -32,6 +32,8 @@ pub struct Waveform {
     pub comment: Option<String>,
     /// The samples, or why they are not to be had.
     pub values: Result<Vec<f64>, String>,
+    /// What to do where they are not to be had.
+    pub remedy: &'static str,
 }
 
 impl Waveform {
@@ -48,6 +50,7 @@ impl Waveform {
             not_time: None,
             comment: None,
             values: Ok(Vec::new()),
+            remedy: "export the channel as CSV, or as plain numbers of this format",
         }
     }
 

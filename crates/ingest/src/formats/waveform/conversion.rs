@@ -156,7 +156,7 @@ fn samples(
         |found: String, expected: &str, hint: &str| refuse(Place::file(file).in_column(id), found, expected, hint);
     let mut values = match waveform.values {
         Ok(values) => values,
-        Err(found) => return refuse(found, "numbers", "export the channel as CSV, or as plain numbers of this format"),
+        Err(found) => return refuse(found, "numbers", waveform.remedy),
     };
     if values.is_empty() {
         return refuse("no samples".to_owned(), "samples", "choose another channel by --channel");

@@ -265,6 +265,102 @@ fn plain_data_are_scaled_only_where_they_are_unscaled() {
     }
 }
 
+/// A channel of numbers 0, 1, ... with these properties beside those of its waveform.
+fn with_scales(properties: &[(&'static str, Value)]) -> Result<Recording, IngestError> {
+    let all = [&waveform()[..], &[("unit_string", Value::Text("m/s^2"))], properties].concat();
+    read(doubles(&[("/'g'/'a'", 60, &all)], (0..60).map(f64::from)))
+}
+
+/// Type, slope, intercept and input of a scale.
+macro_rules! scale {
+    ($n:literal, $kind:literal, $slope:literal, $intercept:literal, $input:expr) => {
+        [
+            (concat!("NI_Scale[", $n, "]_Scale_Type"), Value::Text($kind)),
+            (concat!("NI_Scale[", $n, "]_", $kind, "_Slope"), Value::Double($slope)),
+            (concat!("NI_Scale[", $n, "]_", $kind, "_Y_Intercept"), Value::Double($intercept)),
+            (concat!("NI_Scale[", $n, "]_", $kind, "_Input_Source"), Value::Unsigned($input)),
+        ]
+    };
+}
+
+/// The numbers are those of npTDMS 1.13.
+#[test]
+fn scales_without_their_number_are_counted() {
+    let first = scale!(0, "Linear", 2.0, 1.0, u32::MAX);
+    assert_eq!(samples(&with_scales(&first).unwrap().channels[0])[10], 21.0);
+    let second = [&first[..], &scale!(1, "Linear", 0.5, -4.0, 0)].concat();
+    assert_eq!(samples(&with_scales(&second).unwrap().channels[0])[10], 6.5);
+    let passes = [&first[..], &scale!(1, "AdvancedAPI", 0.5, -4.0, 0)].concat();
+    assert_eq!(samples(&with_scales(&passes).unwrap().channels[0])[10], 21.0);
+    let scaled = [&second[..], &[("NI_Scaling_Status", Value::Text("scaled"))]].concat();
+    assert_eq!(samples(&with_scales(&scaled).unwrap().channels[0])[10], 10.0);
+    let other = [&first[..], &scale!(1, "Polynomial", 0.5, -4.0, 0)].concat();
+    let error = with_scales(&other).unwrap_err().to_string();
+    assert!(error.ends_with("its scale 1 is of kind Polynomial, only Linear is applied"), "{error}");
+    for lost in [("NI_Scaling_Status", Value::Text("unscaled")), ("NI_Number_Of_Scales", Value::Unsigned(1))] {
+        let error = with_scales(&[lost]).unwrap_err().to_string();
+        assert!(error.contains("its values are raw (unscaled)"), "{error}");
+    }
+}
+
+/// Two segments of 60 samples of one channel, each with properties of its own.
+fn two_segments(first: &[(&str, Value)], second: &[(&str, Value)]) -> Result<Recording, IngestError> {
+    let part = |properties: &[(&str, Value)], from: usize| {
+        let all: Vec<(&str, Value)> = [&[("unit_string", Value::Text("m/s^2"))], properties].concat();
+        doubles(&[("/'g'/'a'", 60, &all)], (from..from + 60).map(|k| k as f64))
+    };
+    read([part(first, 0), part(second, 60)].concat())
+}
+
+#[test]
+fn segments_of_one_record_are_joined() {
+    let dt = || ("wf_increment", Value::Double(1e-3));
+    let offset = |t: f64| ("wf_start_offset", Value::Double(t));
+    let start = |t: f64| ("wf_start_time", Value::Time(3.6e9 + t));
+    for (first, second) in [
+        (vec![dt(), offset(-0.05)], vec![dt(), offset(-0.05)]),
+        (vec![dt(), offset(-0.05)], vec![dt(), offset(0.01)]),
+        (vec![dt(), offset(-0.05), start(0.0)], vec![dt(), offset(-0.05), start(0.0601)]),
+        // No date, no step and no unit say nothing.
+        (vec![dt(), offset(-0.05)], vec![("wf_increment", Value::Double(0.0)), ("unit_string", Value::Text(""))]),
+        (vec![dt(), offset(-0.05), ("wf_start_time", Value::Time(0.0))], vec![start(0.0)]),
+    ] {
+        let recording = two_segments(&first, &second).unwrap();
+        assert_eq!((grid(&recording.channels[0]), samples(&recording.channels[0]).len()), ((-0.05, 1e-3), 120));
+    }
+    // What is stated behind the samples is about all of them.
+    let mut last = Writer::new(false);
+    last.object("/'g'/'acc'", None, &[("unit_string", Value::Text("m/s^2"))]);
+    let recording = read([simple(60, false), segment(NEW_LIST, 1, &last, &[])].concat()).unwrap();
+    assert_eq!(samples(&recording.channels[0])[59], pulse(59));
+}
+
+#[test]
+fn segments_of_several_records_are_refused_with_what_differs() {
+    let dt = |dt: f64| ("wf_increment", Value::Double(dt));
+    let offset = |t: f64| ("wf_start_offset", Value::Double(t));
+    let start = |t: f64| ("wf_start_time", Value::Time(86_400.0 * 44_000.0 + t));
+    for (first, second, words) in [
+        (vec![dt(1e-4)], vec![dt(1e-3)], "at sample 60 wf_increment is 0.0001, then 0.001"),
+        (vec![dt(1e-4), offset(-0.05)], vec![dt(1e-4), offset(0.5)], "wf_start_offset is -0.05, then 0.5"),
+        (
+            vec![dt(1e-4), start(43_200.0)],
+            vec![dt(1e-4), start(43_500.25)],
+            "wf_start_time is 12:00:00.000 UTC, then 12:05:00.250 UTC (300.25 s later)",
+        ),
+        (vec![dt(1e-4)], vec![("unit_string", Value::Text("g"))], "unit_string is m/s^2, then g"),
+        (
+            [&[dt(1e-4)], &scale!(0, "Linear", 2.0, 1.0, u32::MAX)[..]].concat(),
+            scale!(0, "Linear", 3.0, 1.0, u32::MAX).into(),
+            "NI_Scale[0]_Linear_Slope is 2, then 3",
+        ),
+    ] {
+        let error = two_segments(&first, &second).unwrap_err();
+        assert!(error.to_string().contains(words), "{error}");
+        assert!(error.hint().contains("each record into a channel of its own"), "{}", error.hint());
+    }
+}
+
 /// A group with a channel of times of `n` samples and an accelerometer of `m` without steps of its own.
 pub fn with_times(n: usize, m: usize, step: f64) -> Vec<u8> {
     let times = (0..n).map(|k| k as f64 * step - 100.0 * step);
@@ -424,4 +520,17 @@ fn an_interval_of_a_second_is_asked_about() {
     assert_eq!(grid_of(&increment("--time-unit ms").unwrap(), "g.acc"), (0.0, 1e-3));
     // What is no crash may be that slow.
     assert_eq!(grid_of(&with_increment(1.0, "other (V)", &lenient()).unwrap(), "g.acc"), (0.0, 1.0));
+}
+
+#[test]
+fn a_voltage_is_no_acceleration_and_naming_it_is_no_help() {
+    let properties = [&waveform()[..], &[("unit_string", Value::Text("Volts"))]].concat();
+    let file = doubles(&[("/'g'/'a'", 60, &properties)], (0..60).map(f64::from));
+    for (flags, words) in
+        [("", "no acceleration column with data, but g.a (voltage)"), ("--channel g.a", "measures voltage")]
+    {
+        let error = read_as("t.tdms", file.clone(), &given(flags)).unwrap_err();
+        assert!(error.to_string().contains(words), "{error}");
+        assert!(error.hint().starts_with("export the acceleration in g: the volts divided by"), "{}", error.hint());
+    }
 }

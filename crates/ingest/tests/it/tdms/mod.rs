@@ -265,5 +265,7 @@ pub fn examples() -> Vec<Vec<u8>> {
     let mut rows = Writer::new(false);
     daqmx(&mut rows, "/'g'/'a'", 30, 0, 6, &scaled("Linear"));
     let daqmx = segment(NEW_LIST | RAW | DAQMX, 1, &rows, &[1; 360]);
-    vec![simple(60, false), simple(60, true), with_times(61, 60, 1e-4), nhtsa(), daqmx]
+    let changed = [("wf_increment", Value::Double(1e-3)), ("unit_string", Value::Text("m/s^2"))];
+    let parts = [simple(60, false), doubles(&[("/'g'/'acc'", 60, &changed)], [0.5; 60])].concat();
+    vec![simple(60, false), simple(60, true), with_times(61, 60, 1e-4), nhtsa(), daqmx, parts]
 }
