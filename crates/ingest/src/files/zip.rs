@@ -7,6 +7,7 @@ use zip::ZipArchive;
 
 use crate::formats::iso_mme::{channel_file, is_channel_folder, is_channel_name};
 use crate::formats::reader::{Bundle, FILE_LIMIT, check_total, stem};
+use crate::formats::registry::NUMPY;
 use crate::formats::workbook;
 use crate::recording::content::MINIMUM_SAMPLES;
 use crate::{IngestError, Result, check_size, refuse_path, refuse_size};
@@ -179,6 +180,8 @@ fn refuse_documents(file: &str, entries: &[Entry]) -> Result<()> {
         ("a Word document", csv)
     } else if holds("", "content.xml") && holds("", "mimetype") {
         ("an OpenDocument file", csv)
+    } else if ends("npy") && entries.iter().all(|entry| entry.extension() == "npy") {
+        ("an archive of NumPy (.npz)", NUMPY)
     } else {
         return Ok(());
     };

@@ -135,17 +135,8 @@ const FORMATS: &[Foreign] = &[
         "write it as CSV: python -c \"import pandas; pandas.read_feather('FILE').to_csv('out.csv', index=False)\"",
         |b| b.starts_with(b"ARROW1\0\0") || b.starts_with(b"FEA1"),
     ),
-    (
-        "an array of NumPy (.npy)",
-        "write time and acceleration as the columns of a CSV file: numpy.savetxt('out.csv', \
-            numpy.column_stack([t, a]), delimiter=',', header='time [s],accel [g]', comments='')",
-        |b| b.starts_with(b"\x93NUMPY"),
-    ),
-    ("a text file of Octave", OCTAVE, |b| {
-        let lines: Vec<&[u8]> = text(b).split(|b| *b == b'\n').take(2).collect();
-        text(b).starts_with(b"# Created by Octave")
-            || matches!(lines.as_slice(), [name, kind] if name.starts_with(b"# name: ") && kind.starts_with(b"# type: "))
-    }),
+    ("an array of NumPy (.npy)", NUMPY, |b| b.starts_with(b"\x93NUMPY")),
+    ("a text file of Octave", OCTAVE, is_octave_text),
     ("a binary file of Octave", OCTAVE, |b| b.starts_with(b"Octave-1-")),
     ("the nodal output of LS-DYNA (nodout)", LS_DYNA, |b| has(b, b"n o d a l   p r i n t   o u t")),
     ("an output text of LS-DYNA (glstat, matsum, rcforc or another one)", LS_DYNA, is_ls_dyna_text),
@@ -182,11 +173,20 @@ const FORMATS: &[Foreign] = &[
     ("an executable program", "give the record itself", |b| b.starts_with(b"\x7FELF") || b.starts_with(b"MZ\x90\0")),
 ];
 
+pub(crate) const NUMPY: &str = "write time and acceleration as the columns of a CSV file: numpy.savetxt('out.csv', \
+    numpy.column_stack([t, a]), delimiter=',', header='time [s],accel [g]', comments='')";
 const OCTAVE: &str = "save it in Octave for MATLAB: save -v7 record.mat t a, with the names of time and acceleration";
 const LS_DYNA: &str = "write time and x-acceleration of one node as a table from LS-PrePost (ASCII or binout, nodout, \
     x-acceleration, save as CSV), with their units in the header";
 const DEWESOFT: &str = "export time and acceleration as CSV or as MATLAB file from DEWESoft";
 const CATMAN: &str = "export time and acceleration as ASCII or as MATLAB file from catman";
+
+fn is_octave_text(bytes: &[u8]) -> bool {
+    let mut lines = text(bytes).split(|b| *b == b'\n');
+    let first = lines.next().unwrap_or_default();
+    let mut is_typed = || lines.next().is_some_and(|line| line.starts_with(b"# type: "));
+    first.starts_with(b"# Created by Octave") || (first.starts_with(b"# name: ") && is_typed())
+}
 
 /// Title, then `ls-dyna` far from the margin with the date, as all its texts begin.
 fn is_ls_dyna_text(bytes: &[u8]) -> bool {

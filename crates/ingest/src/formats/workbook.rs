@@ -55,10 +55,10 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
     let mut workbook: Xlsx<_> = Xlsx::new(Cursor::new(bytes)).map_err(damaged)?;
     let names = workbook.sheet_names();
     let is_meant = |name: &String| settings.sheet.as_ref().is_none_or(|sheet| sheet.eq_ignore_ascii_case(name.trim()));
-    let (mut tables, mut formulas) = (Vec::new(), 0);
+    let (mut tables, mut unread) = (Vec::new(), Vec::new());
     for name in names.iter().filter(|name| is_meant(name)) {
         let sheet = cells_of(file, &mut workbook, name)?;
-        formulas += sheet.formulas.values().sum::<usize>();
+        unread.extend(without_values(&sheet));
         let first = first_row(&sheet.cells, settings);
         if let Some(first) = first.filter(|first| sheet.cells.range(first..).count() >= MINIMUM_SAMPLES) {
             tables.push((name, sheet, first));
@@ -67,9 +67,8 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
     let several: Vec<String> = tables.iter().map(|(name, ..)| format!("{name:?}")).collect();
     match tables.as_slice() {
         [(_, sheet, first)] => table(file, sheet, *first, settings),
-        [] if formulas > 0 => {
-            let found =
-                format!("no sheet has {MINIMUM_SAMPLES} rows of numbers: {formulas} formulas have no stored values");
+        [] if !unread.is_empty() => {
+            let found = format!("no sheet has {MINIMUM_SAMPLES} rows of numbers: {}", reasons(&unread).join(", "));
             Err(refuse(file, found, SAVE_VALUES))
         }
         [] => {
@@ -193,8 +192,8 @@ fn table(file: &str, whole: &Sheet, first: u32, settings: &IngestSettings) -> Re
         }
     }
     let mut notes = Notes::new();
-    let unread = without_values(whole, first);
-    let reasons: Vec<String> = unread.iter().map(|(title, reason)| format!("column {title:?}: {reason}")).collect();
+    let unread = without_values(whole);
+    let reasons = reasons(&unread);
     let channels = channels_of(file, &header, rows, settings, (None, None), &mut notes);
     let mut channels = match channels {
         Err(error) if !reasons.is_empty() => {
@@ -210,13 +209,18 @@ fn table(file: &str, whole: &Sheet, first: u32, settings: &IngestSettings) -> Re
     Ok(recording(channels, Details::default(), settings, notes))
 }
 
-/// Title and reason of the columns of formulas without values; `first`: the first row of numbers.
-fn without_values(sheet: &Sheet, first: u32) -> Vec<(String, String)> {
+/// Title and reason of the columns of formulas without values.
+fn without_values(sheet: &Sheet) -> Vec<(String, String)> {
     let of_column = |(column, count): (&u32, &usize)| {
-        let above = sheet.cells.range(..first).filter_map(|(_, cells)| cells.get(column).map(Data::to_string));
-        let title = above.collect::<Vec<String>>().join(" ");
+        let words =
+            sheet.cells.values().filter_map(|cells| cells.get(column)).filter(|cell| matches!(cell, Data::String(_)));
+        let title = words.take(3).map(Data::to_string).collect::<Vec<String>>().join(" ");
         let title = if title.is_empty() { format!("column {}", column + 1) } else { title };
         (title, format!("its {count} formulas have no stored values, or 0 all over"))
     };
     sheet.formulas.iter().map(of_column).collect()
+}
+
+fn reasons(unread: &[(String, String)]) -> Vec<String> {
+    unread.iter().map(|(title, reason)| format!("column {title:?}: {reason}")).collect()
 }

@@ -123,9 +123,10 @@ fn columns_of_formulas_without_values_are_named() {
     let mut rows = sheet(&[&["Time (s)", "Accel (m/s^2)"]], |k| time_s(k).to_string());
     rows[1..].iter_mut().for_each(|row| row[1] = format!("={}", row[1]));
     check(&read_as("a.xlsx", workbook(&[("Sheet1", rows)]), "").unwrap());
-    let rows = (0..60).map(|_| vec!["=".to_owned(), "=".to_owned()]).collect();
+    let mut rows = vec![vec!["=".to_owned(), "=".to_owned()]; 60];
+    rows.insert(0, vec!["time [s]".to_owned()]);
     let error = read_as("a.xlsx", workbook(&[("Sheet1", rows)]), "").unwrap_err();
-    assert!(error.to_string().contains("120 formulas have no stored values"), "{error}");
+    assert!(error.to_string().contains("column \"time [s]\": its 60 formulas have no stored values"), "{error}");
 }
 
 /// An element of a MATLAB file.
@@ -238,7 +239,7 @@ fn a_data_set_58_is_a_channel() {
     let binary = about(true).replacen("    58\n", "    58b     1     2          11        2400     0     0\n", 1);
     // The end of a binary set stands behind its last byte.
     let error = refused(&[binary.as_bytes(), &[0, 10, 255, 13], b"    -1\n"].concat());
-    assert_eq!(error, "a.uff, line 65: a binary data set (UFF 58b), which is not read");
+    assert_eq!(error, "a.uff, line 66: a binary data set (UFF 58b), which is not read");
     let others = whole.clone() + "    -1\n    15\n         1\n    -1\n";
     let ingested = read_as("a.uff", others, "").unwrap();
     check(&ingested);

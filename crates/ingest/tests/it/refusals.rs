@@ -173,6 +173,7 @@ fn foreign_formats() {
     let nodes =
         " sled\n                         ls-dyna mpp      date 03/14/2024\n\n n o d a l   p r i n t   o u t   f o r\n";
     refused("nodout", nodes, &[], &["the nodal output of LS-DYNA", "LS-PrePost"]);
+    refused("a.npz", zipped(&[("t.npy", "x"), ("a.npy", "x")]), &[], &["an archive of NumPy (.npz)", "numpy.savetxt"]);
     let octave = "# Created by Octave 7.3.0\n# name: t\n# type: matrix\n# rows: 2\n# columns: 1\n 1\n 2\n";
     refused("pulse.mat", octave, &["--unit", "g"], &["a text file of Octave", "save -v7"]);
 }

@@ -4,8 +4,8 @@
 //! that was aborted has a last segment without a length, or one that runs past the end of the file: it is read as far
 //! as it goes.
 //!
-//! A segment may state step, start, unit or scale of a channel in another way than earlier ones. It goes on where only the
-//! start is another and the earlier samples end there; else the channel holds several records and is refused.
+//! A segment may state step, start, unit or scale of a channel in another way than earlier ones. It goes on where only
+//! the start is another and the earlier samples end there; else the channel holds several records and is refused.
 
 use std::collections::BTreeMap;
 
