@@ -180,12 +180,20 @@ const COMPUTATION: [Row; 15] = [
 ];
 
 impl Tolerances {
-    /// With rules of others too, which stand behind the own of the same pattern.
+    /// With rules of others too, which stand behind all that is typed: rules of the same pattern, `abs`, `rel`, and
+    /// that every number is equal.
     pub fn with_rules(&self, others: Vec<ToleranceRule>) -> Self {
+        if self.base == Base::Exact {
+            return self.clone();
+        }
+        let behind = |other: ToleranceRule| match other.ignore {
+            true => other,
+            false => ToleranceRule { abs: self.abs.or(other.abs), rel: self.rel.or(other.rel), ..other },
+        };
         let is_own = |other: &ToleranceRule| {
             self.rules.iter().any(|own| (&own.topic, &own.place) == (&other.topic, &other.place))
         };
-        let others = others.into_iter().filter(|other| !is_own(other));
+        let others = others.into_iter().filter(|other| !is_own(other)).map(behind);
         Self { rules: self.rules.iter().cloned().chain(others).collect(), ..self.clone() }
     }
 

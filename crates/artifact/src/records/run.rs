@@ -82,6 +82,9 @@ pub struct RemarkV1 {
     pub text: String,
     /// One thing to do about it.
     pub remedy: Option<String>,
+    /// The command of the program from elsewhere that wrote what it is about.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub written_by: Option<String>,
 }
 
 // Record: why a run has no acceptable result.

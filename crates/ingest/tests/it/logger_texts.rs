@@ -47,10 +47,10 @@ fn units_and_codes_stand_above_the_names_one_value_a_column() {
         Sample Rate (Hz),5000,5000,5000\nEngineering Unit,mm ,g ,g \nTime,Chan 0:S0,Chan 1:S1,Chan 2:S2\n";
     let table = rows(900, |k| format!("{:.4},{:.3},0.0,{:.5}", k as f64 * 2e-4 - 0.02, 0.01 * k as f64, sample(k)));
     let text = format!("{preamble}{table}");
-    let read = assert_is_the_pulse(self::read(&text, ""), "preamble");
-    assert_eq!(read.test.pulse.as_deref(), Some("10VEHCCG0000ACXP"));
+    let vehicle = assert_is_the_pulse(read(&text, ""), "preamble");
+    assert_eq!(vehicle.test.pulse.as_deref(), Some("10VEHCCG0000ACXP"));
     // The unit that the file states for a deflection is not replaced.
-    let refused = self::read(&text, "--unit g --channel Chan_0_S0").unwrap_err().to_string();
+    let refused = read(&text, "--unit g --channel Chan_0_S0").unwrap_err().to_string();
     assert!(refused.contains("displacement"), "{refused}");
 }
 

@@ -94,6 +94,11 @@ impl<'a> AccelerationLikelihood<'a> {
         Some(Self { coordinates, dense, noises: noises?, theta: theta.to_vec(), on_bound: vec![false; theta.len()] })
     }
 
+    /// The same of another record of the test, in units of the same noise.
+    pub fn of_record(&self, observed: &Observation) -> Option<Self> {
+        Some(Self { noises: self.noises.clone(), ..Self::at(self.coordinates, observed, &self.theta)? })
+    }
+
     /// At the least misfit of the accelerations, with the noise that explains it.
     fn descended(self, kept: &[usize]) -> Option<Self> {
         let mut source = self;

@@ -202,9 +202,7 @@ fn by_transfer_function(with: &WithInputs, front: f64, half_width: f64) -> Optio
     let coordinates = Coordinates::near(minimum.model.clone(), free);
     let source = AccelerationLikelihood::of(&coordinates, &minimum.observed, &coordinates.start(), &kept);
     let source = source.filter(AccelerationLikelihood::explains)?;
-    let misfit = |observed: &Observation| {
-        AccelerationLikelihood::at(&coordinates, observed, &source.theta)?.by_waves(&source.theta)
-    };
+    let misfit = |observed: &Observation| source.of_record(observed)?.by_waves(&source.theta);
     let intervals = transfer_posterior::intervals((&source, &with.change_of(misfit)?), &coordinates, model, shares)?;
     let names = ["k1_n_per_m", "k2_n_per_m", "c1_n_s_per_m", "c2_n_s_per_m"].into_iter();
     Some(names.map(str::to_owned).zip(intervals).collect())

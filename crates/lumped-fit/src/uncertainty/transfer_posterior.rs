@@ -139,13 +139,17 @@ impl Likelihood {
         let of_inputs = &inverse * q.tr_mul(&by_inputs);
         let y_by_inputs = by_inputs.tr_mul(&left_by_y) / power;
         let y = (y.0, y.1.hypot(y_by_inputs.norm()));
-        let covariance = &inverse * inverse.transpose() + &of_inputs * of_inputs.transpose();
+        // One error moves the numbers and `y`: where `y` is known, so is that part of the numbers.
+        let with_y = &of_inputs * y_by_inputs;
+        let by_known_y = four(&with_y) / (y.1 * y.1);
+        let known = &with_y * with_y.transpose() / (y.1 * y.1);
+        let covariance = &inverse * inverse.transpose() + &of_inputs * of_inputs.transpose() - known;
         let root = Cholesky::new(Matrix4::from_fn(|i, j| covariance[(i, j)]))?.l();
         let inverse = root.try_inverse()?;
         let finite = best.iter().chain(by_y.iter()).chain(root.iter()).all(|x| x.is_finite());
         (finite && y.0.is_finite() && y.1.is_finite()).then(|| Self {
-            at_zero: best - by_y * here[4],
-            by_y,
+            at_zero: best - by_y * here[4] - by_known_y * y.0,
+            by_y: by_y + by_known_y,
             root,
             inverse,
             y,

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crumple_stage::chain;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -121,7 +122,9 @@ fn settings([a, b]: [&Expected; 2], place: &impl Fn(&str, &str) -> Option<(Strin
     let stage_of = |name: &str| name.split('.').next().unwrap_or_default().to_owned();
     let mut typed = differing(&[a, b].map(|side| options_of(&side.options)));
     // A stage that only one of both has is one cause, not each of its options.
-    let runs = [a, b].map(|side| side.options.keys().map(|stage| (stage.clone(), "in the chain".to_owned())).collect());
+    let is_optional = |stage: &&String| chain().any(|known| known.is_optional && known.name == **stage);
+    let in_chain = |stage: &String| (stage.clone(), "in the chain".to_owned());
+    let runs = [a, b].map(|side| side.options.keys().filter(is_optional).map(in_chain).collect());
     let left_out = differing(&runs);
     typed.retain(|(name, _)| left_out.iter().all(|(stage, _)| *stage != stage_of(name)));
     typed.extend(left_out);

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crumple_stage::{Refused, is_shared_flag};
 
+use crate::command::Options;
 use crate::recipe::{Typed, flag_name, grouped};
 use crate::words::Words;
 
@@ -23,7 +24,8 @@ pub(crate) fn repeatable(typed: Typed, file: &Path) -> Result<Typed, Refused> {
         let is_short = |word: &String| word.strip_prefix('-').is_some_and(|rest| rest.starts_with(char::is_alphabetic));
         let is_option = |group: &Vec<String>| {
             let name = flag_name(group);
-            name.len() > 2 && name.starts_with("--") && !is_shared_flag(name) && !group.iter().any(is_short)
+            let is_long = name.len() > 2 && name.starts_with("--") && !group.iter().any(is_short);
+            is_long && !is_shared_flag(name) && has_its_words(group, stage)
         };
         match groups.iter().find(|group| stage == "report" || !is_option(group)) {
             None => Ok(groups),
@@ -40,6 +42,27 @@ pub(crate) fn repeatable(typed: Typed, file: &Path) -> Result<Typed, Refused> {
     let of_all = checked("every stage", &words)?.concat();
     Ok(Typed { flags, of_all: Words(of_all).to_string(), programs: typed.programs })
 }
+
+/// Whether a flag has as many words as it takes. Those of ingest stand among the flags of a run, which has some that
+/// name programs and folders: they must be its own.
+fn has_its_words(group: &[String], stage: &str) -> bool {
+    let is_whole = group[0].contains('=');
+    if stage != "ingest" {
+        return group.len() <= if is_whole { 1 } else { 2 };
+    }
+    let long = flag_name(group).trim_start_matches('-');
+    let ingest = (crumple_ingest::PROGRAM.command)();
+    let of_run = <Options as clap::CommandFactory>::command();
+    let is_of_run = OF_RECORD.contains(&long) || of_run.get_arguments().any(|arg| arg.get_long() == Some(long));
+    let own = ingest.get_arguments().find(|arg| arg.get_long() == Some(long)).filter(|_| !is_of_run);
+    own.is_some_and(|arg| {
+        let takes_word = arg.get_action().takes_values() && !is_whole && !arg.is_require_equals_set();
+        group.len() == 1 + usize::from(takes_word)
+    })
+}
+
+/// Flags that a run takes from among those behind the record.
+const OF_RECORD: [&str; 2] = ["set", "stage"];
 
 #[cfg(test)]
 mod tests {
@@ -62,6 +85,21 @@ mod tests {
         {
             assert_eq!(asked("filter", words), None, "{words}");
         }
+        for words in [
+            "--stage filter=true",
+            "--stage=filter=true",
+            "--set filter.cfc=60",
+            "--out x",
+            "--project x",
+            "--again x",
+            "--mass=9kg x",
+            "--mass 9kg x",
+            "--allow-missing x",
+            "--unknown x",
+        ] {
+            assert_eq!(asked("ingest", words), None, "{words}");
+        }
+        assert_eq!(kept("--allow-missing --sign flip"), "--allow-missing --sign flip");
         assert_eq!(asked("report", "--markdown x"), None);
     }
 }

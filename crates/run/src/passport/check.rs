@@ -168,6 +168,10 @@ impl Repeated<'_> {
         let Contents { record, sidecar, .. } = self.contents;
         let own = self.folder.join(record.place());
         if record.is_inside {
+            if let Some(given) = &self.asked.record {
+                let problem = format!("--record {}: {} is in the crate", given.display(), record.name);
+                return Err(Usage::new(problem).hint("leave it out").into());
+            }
             self.refuse_another(&own, &own, sidecar.as_ref())?;
             return Ok(own);
         }
@@ -224,17 +228,23 @@ impl Repeated<'_> {
         let now: Vec<(&Item, Option<String>)> = results.iter().map(|item| (item, digest(item))).collect();
         let is_other = |(item, now): &&(&Item, Option<String>)| now.is_none() || item.compared() != now.as_deref();
         let others: Vec<_> = now.iter().filter(is_other).collect();
-        let (record, count) = (&self.contents.record.name, results.len());
-        if others.is_empty() && count > 0 {
+        let is_named = |name: &str| results.iter().any(|item| item.name == name);
+        let made = chain().flat_map(|stage| stage.outputs).filter(|name| run.join(name).is_file());
+        let unnamed: Vec<&str> = made.filter(|name| !is_named(name)).collect();
+        let (record, count) = (&self.contents.record.name, results.len() + unnamed.len());
+        if others.is_empty() && unnamed.is_empty() && count > 0 {
             let names: Vec<&str> = results.iter().map(|item| item.name.as_str()).collect();
             let text = format!("equal: {record} run again gives all {count} results: {}\n", names.join(", "));
             to_stdout(printable(&text).as_bytes())?;
             return Ok(ExitStatus::Done);
         }
-        let mut text = format!("not equal: {} of {count} results of {record}\n", others.len());
+        let mut text = format!("not equal: {} of {count} results of {record}\n", others.len() + unnamed.len());
         for (item, now) in others {
             let stated = item.compared().unwrap_or("no digest");
             text += &format!("  {}: {} now, {stated} in the crate\n", item.name, now.as_deref().unwrap_or("none"));
+        }
+        for name in unnamed {
+            text += &format!("  {name}: made now, not named in the crate\n");
         }
         if self.contents.version != VERSION {
             text += &format!("  the crate is of Crumple {}, this is {VERSION}\n", self.contents.version);

@@ -264,8 +264,9 @@ pub(crate) fn read(file: &Path, text: &str) -> Result<Contents, Refused> {
     if let Some(other) = results.iter().find(|result| !outputs.contains(&result.name.as_str())) {
         return Err(lacks(&format!("names {:?}, which no run makes", other.name)));
     }
-    if results.len() > outputs.len() {
-        return Err(lacks(&format!("names {} results, a run has at most {}", results.len(), outputs.len())));
+    let mut seen = std::collections::BTreeSet::new();
+    if let Some(twice) = results.iter().find(|result| !seen.insert(&result.name)) {
+        return Err(lacks(&format!("names {:?} twice", twice.name)));
     }
     let version = workflow["version"].as_str().unwrap_or_default().to_owned();
     Ok(Contents { version, pipeline, record, sidecar: sidecars.into_iter().next(), results })

@@ -285,15 +285,17 @@ fn is_driven(artifact: &Artifact) -> Result<bool, ReadError> {
     Ok(simulated.iter().any(|(_, of)| of.drive.is_some()) || identified.iter().any(|(_, of)| !of.inputs.is_empty()))
 }
 
+/// Days from 1970 to 2500.
+const DAYS: u64 = 193_580;
+
 /// A day as ISO 8601 writes it.
 fn day(typed: &str) -> Result<String, String> {
-    let parts: Vec<Option<u32>> = typed.split('-').map(|part| part.parse().ok()).collect();
-    match parts[..] {
-        [Some(_), Some(1..=12), Some(1..=31)] if typed.len() == 10 && typed.find('-') == Some(4) => {
-            Ok(typed.to_owned())
-        }
-        _ => Err(format!("{typed:?} is no day, expected e.g. 2026-11-30")),
-    }
+    let is_digits = |part: &str, count: usize| part.len() == count && part.bytes().all(|b| b.is_ascii_digit());
+    let parts: Vec<&str> = typed.split('-').collect();
+    let is_written = parts.len() == 3 && parts.iter().zip([4, 2, 2]).all(|(part, count)| is_digits(part, count));
+    // Every day of the calendar until 2500 is one of these.
+    let is_day = is_written && (0..=DAYS).any(|day| day_of(day * 86_400) == typed);
+    if is_day { Ok(typed.to_owned()) } else { Err(format!("{typed:?} is no day, expected e.g. 2026-11-30")) }
 }
 
 /// The day of a time, seconds since 1970-01-01 UTC: the proleptic Gregorian calendar in eras of 400 years that begin in
@@ -326,7 +328,17 @@ mod tests {
             assert_eq!(day_of(seconds), expected);
         }
         assert!(day("2026-11-30").is_ok());
-        for wrong in ["2026-13-01", "2026-1-1", "30.11.2026", "2026-11-32", "26-11-2030"] {
+        for wrong in [
+            "2026-+1-01",
+            "2026-1-011",
+            "+026-01-01",
+            "2026-02-31",
+            "2026-13-01",
+            "2026-1-1",
+            "30.11.2026",
+            "2026-11-32",
+            "26-11-2030",
+        ] {
             assert!(day(wrong).is_err(), "{wrong}");
         }
     }

@@ -77,36 +77,11 @@ use QuantityKind as Q;
 /// `(spellings, dimension, factor to SI)`. The first spelling is the usual one.
 /// Spellings are compared as [`squeeze`] writes them; letters keep their case where two units differ by it.
 const UNITS: &[(&[&str], Dimension, f64)] = &[
-    (
-        &["m/s^2", "meters/s^2", "metres/s^2", "meter/s^2", "metre/s^2", "m s-2", "mps2", "mpss"],
-        Signal(Q::Acceleration),
-        1.0,
-    ),
+    (&["m/s^2", "meters/s^2", "metres/s^2", "meter/s^2", "metre/s^2", "m s-2", "mps2"], Signal(Q::Acceleration), 1.0),
     (
         &[
-            "g",
-            "G",
-            "g's",
-            "G'S",
-            "G's",
-            "gs",
-            "Gs",
-            "g0",
-            "gn",
-            "g_n",
-            "G_n",
-            "grav",
-            "gee",
-            "gees",
-            "g-force",
-            "G-force",
-            "G-Force",
-            "G-FORCE",
-            "gforce",
-            "GForce",
-            "Gforce",
-            "gravity",
-            "standard gravity",
+            "g", "G", "g's", "G'S", "G's", "gs", "Gs", "g0", "gn", "g_n", "G_n", "grav", "gee", "gees", "g-force",
+            "G-force", "G-Force", "G-FORCE", "gforce", "GForce", "Gforce",
         ],
         Signal(Q::Acceleration),
         STANDARD_GRAVITY_M_PER_S2,
@@ -125,8 +100,8 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     (&["mm/s^2"], Signal(Q::Acceleration), 1e-3),
     (&["cm/s^2", "Gal", "gal"], Signal(Q::Acceleration), 1e-2),
     (&["mGal", "mgal", "milligal"], Signal(Q::Acceleration), 1e-5),
-    (&["ft/s^2", "feet/s^2", "foot/s^2", "fps2", "fpss", "ft s-2"], Signal(Q::Acceleration), FOOT_M),
-    (&["in/s^2", "inch/s^2", "inches/s^2", "ips2", "ipss", "in s-2"], Signal(Q::Acceleration), INCH_M),
+    (&["ft/s^2", "feet/s^2", "foot/s^2", "fps2", "ft s-2"], Signal(Q::Acceleration), FOOT_M),
+    (&["in/s^2", "inch/s^2", "inches/s^2", "ips2", "in s-2"], Signal(Q::Acceleration), INCH_M),
     // Sets of units of simulations: ms, mm, kg; and ms, m, kg.
     (&["mm/ms^2"], Signal(Q::Acceleration), 1e3),
     (&["m/ms^2"], Signal(Q::Acceleration), 1e6),
@@ -134,7 +109,7 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     (&["km/h", "km\\h", "kph", "kmh", "kmph", "KMH", "km/hr"], Signal(Q::Velocity), 1.0 / 3.6),
     (&["mph", "MPH", "mi/h"], Signal(Q::Velocity), MILE_M / 3600.0),
     (&["mm/s"], Signal(Q::Velocity), 1e-3),
-    (&["ft/s", "fps", "feet/s"], Signal(Q::Velocity), FOOT_M),
+    (&["ft/s", "feet/s"], Signal(Q::Velocity), FOOT_M),
     (&["m", "metre", "meter", "metres", "meters"], Signal(Q::Displacement), 1.0),
     (&["cm"], Signal(Q::Displacement), 1e-2),
     (&["mm", "MM"], Signal(Q::Displacement), 1e-3),
@@ -187,11 +162,11 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     (&["mm2"], Area, 1e-6),
 ];
 
-/// Without blanks and marks of products, powers in one spelling: `m/s²`, `m/s^2`, `m/s**2`, `m/sec/sec` and `m/(s*s)`
+/// Without blanks, powers and quotients of seconds in one spelling: `m/s²`, `m/s^2`, `m/s**2`, `m/sec/sec` and `m/(s*s)`
 /// are `m/s2`, `m·s⁻²` is `ms-2`, `g’s` is `g's`.
 fn squeeze(text: &str) -> String {
-    let plain = text.chars().filter(|c| !c.is_whitespace() && !matches!(c, '^' | '*' | '·' | '⋅' | '.'));
-    let plain = plain.map(|c| match c {
+    let plain = text.replace("**", "");
+    let plain = plain.chars().filter(|c| !c.is_whitespace() && *c != '^').map(|c| match c {
         '⁻' | '−' => '-',
         '¹' => '1',
         '²' => '2',
@@ -205,10 +180,14 @@ fn squeeze(text: &str) -> String {
         ("/sec", "/s"),
         ("/msec", "/ms"),
         ("/s/s", "/s2"),
-        ("/(ss)", "/s2"),
+        ("/(s*s)", "/s2"),
         ("/(s2)", "/s2"),
         ("/ms/ms", "/ms2"),
-        ("/(msms)", "/ms2"),
+        ("/(ms*ms)", "/ms2"),
+        ("*s-", "s-"),
+        ("·s-", "s-"),
+        ("⋅s-", "s-"),
+        (".s-", "s-"),
         ("/(ms2)", "/ms2"),
     ] {
         plain = plain.replace(spelling, usual);
@@ -216,8 +195,8 @@ fn squeeze(text: &str) -> String {
     plain
 }
 
-/// The units that a word may stand for that is none of them: those that its letters begin or contain, or that it
-/// misses by one letter. For messages: `"milli-gee"` is near `mg`.
+/// The units that a word may stand for that is none of them: those with a spelling of three letters and more that it
+/// contains or is part of. For messages.
 pub fn near(symbol: &str, dimension: Dimension) -> Vec<&'static str> {
     let word = squeeze(symbol).to_lowercase();
     let letters = |text: &str| text.chars().filter(|c| c.is_alphanumeric()).collect::<String>();

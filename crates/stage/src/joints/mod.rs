@@ -170,8 +170,9 @@ impl Contradiction {
             about: self.about.to_string(),
             weight: self.weight.number(),
             values: self.values.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect(),
-            text: program.map_or_else(|| self.text.clone(), |by| format!("{}; written by {by}", self.text)),
+            text: self.text.clone(),
             remedy: Some(self.remedy.to_owned()),
+            written_by: program.map(str::to_owned),
         }
     }
 

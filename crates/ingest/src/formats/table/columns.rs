@@ -20,7 +20,7 @@ use crate::recording::details::Stated;
 use crate::recording::settings::{self, is_pattern};
 use crate::{IngestError, IngestSettings, Place, Profile, Result, pulse, refuse_channel};
 
-/// Turns every column but the time into a channel in SI.
+/// Turns every column but the time into a channel in SI, each with the index of its column.
 pub fn channels(
     file: &str,
     header: &TableHeader,
@@ -29,7 +29,7 @@ pub fn channels(
     settings: &IngestSettings,
     comment: Option<&Stated<String>>,
     notes: &mut Notes,
-) -> Result<Vec<ReadChannel>> {
+) -> Result<Vec<(usize, ReadChannel)>> {
     let is_data = |k: &usize| !time.columns.contains(k) && !rows.is_left_out(*k);
     let data: Vec<usize> = (0..header.columns.len()).filter(is_data).collect();
     let ids = ids(header, &data);
@@ -45,8 +45,8 @@ pub fn channels(
     let stated = stated.transpose()?;
 
     let kinds = kinds(header, &data, selected, stated, settings, notes);
-    if let Some(((_, factor), true)) = stated
-        && !kinds.iter().any(|(kind, f)| *kind != QuantityKind::Other && *f == factor)
+    if let Some(((of_unit, factor), true)) = stated
+        && !kinds.iter().any(|(kind, f)| (*kind == of_unit || edr && *kind != QuantityKind::Other) && *f == factor)
     {
         settings::warn("--unit", "the columns state units of their own; --channel names the one that is meant", notes);
     }
@@ -95,14 +95,17 @@ pub fn channels(
         channel.axis = axis(title).filter(|_| !is_ordinate(header, &data, k));
         channel.cfc = cfc(title).filter(|_| acceleration);
         iso13499::describe_by_name(&mut channel, name, notes);
-        channels.push(ReadChannel {
-            wave: Some(wave),
-            jitter: time.grid.jitter,
-            fitness: Fitness::of_only(quantity, "the only acceleration column"),
-            aliases: vec![name.clone(), title.clone(), channel::clean(title), (k + 1).to_string()],
-            lines: Some(Arc::clone(&lines)),
-            ..ReadChannel::new(channel)
-        });
+        channels.push((
+            k,
+            ReadChannel {
+                wave: Some(wave),
+                jitter: time.grid.jitter,
+                fitness: Fitness::of_only(quantity, "the only acceleration column"),
+                aliases: vec![name.clone(), title.clone(), channel::clean(title), (k + 1).to_string()],
+                lines: Some(Arc::clone(&lines)),
+                ..ReadChannel::new(channel)
+            },
+        ));
     }
     Ok(channels)
 }
@@ -118,14 +121,14 @@ fn integral(samples: &[f64], dt_s: f64) -> Vec<f64> {
 }
 
 /// The columns of a table whose times cannot be read, for a list: without samples, the reason as their comment.
-pub fn without_time(header: &TableHeader, rows: &Rows, error: &IngestError) -> Vec<ReadChannel> {
+pub fn without_time(header: &TableHeader, rows: &Rows, error: &IngestError) -> Vec<(usize, ReadChannel)> {
     let data: Vec<usize> = (0..header.columns.len()).filter(|k| !rows.is_left_out(*k)).collect();
     let channel = |(k, id): (&usize, String)| {
         let quantity = match header.columns[*k].unit {
             Unit::Signal(quantity, _) => quantity,
             _ => QuantityKind::Other,
         };
-        ReadChannel::without_readable_file(Channel::new(id, quantity), error.to_string())
+        (*k, ReadChannel::without_readable_file(Channel::new(id, quantity), error.to_string()))
     };
     data.iter().zip(ids(header, &data)).map(channel).collect()
 }
@@ -145,6 +148,8 @@ fn kinds(
     let is_of_body = |title: &str| settings.place.is_some() && !names_any && axis(title).is_some();
     let accelerations =
         data.iter().filter(|k| matches!(header.columns[**k].unit, Unit::Signal(QuantityKind::Acceleration, _))).count();
+    // A unit of speed is that of one column.
+    let serves_alone = |k: usize| selected.map_or(data.len() == 1, |selected| selected == k);
     let mut kinds = Vec::new();
     let mut unknown = Vec::new();
     for &k in data {
@@ -167,7 +172,9 @@ fn kinds(
             (_, Some(((_, f), _))) if edr && (data.len() == 1 || names_velocity_change(title)) => {
                 (QuantityKind::VelocityChange, f)
             }
-            (_, Some((unit, _))) if !edr && is_target => unit,
+            (_, Some((unit, _))) if !edr && is_target && (unit.0 == QuantityKind::Acceleration || serves_alone(k)) => {
+                unit
+            }
             _ => {
                 unknown.push(title.as_str());
                 (QuantityKind::Other, 1.0)

@@ -17,6 +17,8 @@ pub struct Column {
     /// The name in the header, whole.
     pub title: String,
     pub unit: Unit,
+    /// Whether the file names it.
+    pub is_named: bool,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -117,7 +119,7 @@ pub fn of_lines(mut lines: Vec<(usize, Vec<String>)>, count: usize) -> TableHead
                 kilo_g.push(k);
                 unit = signal("kilo-g");
             }
-            Column { name, title, unit }
+            Column { name, title, unit, is_named: names.get(k).is_some_and(|name| !name.is_empty()) }
         })
         .collect();
     TableHeader {
@@ -133,7 +135,14 @@ pub fn of_lines(mut lines: Vec<(usize, Vec<String>)>, count: usize) -> TableHead
 
 /// Lines above the names that hold one value a column behind a word that says what they are: `Engineering Unit,g,mm`.
 struct Preamble<'a> {
-    lines: Vec<(String, &'a [String])>,
+    lines: Vec<Values<'a>>,
+}
+
+/// A line of them: its word, whether that stands beside all values and not above the first column, and the values.
+struct Values<'a> {
+    word: String,
+    is_beside: bool,
+    values: &'a [String],
 }
 
 impl<'a> Preamble<'a> {
@@ -141,20 +150,24 @@ impl<'a> Preamble<'a> {
     fn of(lines: &'a [(usize, Vec<String>)], count: usize) -> Self {
         let of_line = |(_, cells): &'a (usize, Vec<String>)| {
             let filled = cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1);
-            let values = &cells[filled.checked_sub(count).filter(|beside| *beside <= 1)?..filled];
-            Some((cells[0].to_lowercase(), values))
+            let beside = filled.checked_sub(count).filter(|beside| *beside <= 1)?;
+            let word = cells[0].trim().trim_end_matches(':').to_lowercase();
+            Some(Values { word, is_beside: beside == 1, values: &cells[beside..filled] })
         };
         Self { lines: lines.iter().filter_map(of_line).filter(|_| count > 1).collect() }
     }
 
     /// The cell of a column in the last line of these whose word is meant.
     fn cell(&self, k: usize, is_meant: impl Fn(&str) -> bool) -> Option<&'a str> {
-        let line = self.lines.iter().rev().find(|(word, _)| is_meant(word));
-        line.and_then(|(_, values)| values.get(k)).map(|cell| cell.trim()).filter(|cell| !cell.is_empty())
+        let line = self.lines.iter().rev().find(|line| is_meant(&line.word))?;
+        let cell = line.values.get(k).filter(|_| line.is_beside || k > 0)?.trim();
+        Some(cell).filter(|cell| !["", "-", "n/a", "na", "none"].contains(&&*cell.to_lowercase()))
     }
 
     fn unit(&self, k: usize) -> Option<&'a str> {
-        self.cell(k, |word| word.contains("unit") || word.contains("einheit")).filter(|_| k > 0)
+        const WORDS: [&str; 7] =
+            ["unit", "units", "engineering unit", "engineering units", "eu", "einheit", "einheiten"];
+        self.cell(k, |word| WORDS.contains(&word))
     }
 
     fn code(&self, k: usize) -> Option<&'a str> {

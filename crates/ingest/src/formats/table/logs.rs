@@ -5,6 +5,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crumple_signal::Note;
+
 use crate::formats::table::layout::Delimiter;
 use crate::formats::text::lines::{NumberStyle, decode, unquoted};
 use crate::formats::text::stamps::stamp;
@@ -14,7 +16,7 @@ use crate::{Result, refuse_channel};
 /// A text as a table, and what is said about that.
 pub struct AsTable {
     pub text: Vec<u8>,
-    pub note: String,
+    pub note: Note,
 }
 
 /// Lines looked at, blank ones aside, and the share of them that must have a form, of ten.
@@ -31,7 +33,7 @@ pub fn as_table(file: &str, text: &[u8], wanted: Option<&str>) -> Result<Option<
     let is_of_influx = ["#datatype", "#group", "#default"].iter().any(|word| first.starts_with(word));
     Ok(match first {
         _ if is_of_influx => return series(file, &all(), wanted),
-        "channel names:" => with_interval(&all()),
+        "channel names:" => with_interval(file, &all())?,
         "GYROFLOW IMU LOG" => scaled(&all()),
         _ if have(&head, |line| labels_and_numbers(line).is_some()) => labelled(&all()),
         _ if have(&head, |line| clock_and_row(line).is_some()) => Some(behind_a_clock(&all())),
@@ -57,7 +59,7 @@ fn behind_a_clock(lines: &[String]) -> AsTable {
         format!("{clock}{delimiter}{row}")
     };
     let text = lines.iter().map(row).collect::<Vec<_>>().join("\n").into_bytes();
-    AsTable { text, note: "the clock in front of each row, before \"->\", is the time".to_owned() }
+    AsTable { text, note: Note::info("the clock in front of each row, before \"->\", is the time") }
 }
 
 /// The labels and numbers of `t:0 X: 0.00, Y= 0.01`, behind a clock or not; `None` where anything else stands there.
@@ -120,11 +122,25 @@ fn labelled(lines: &[String]) -> Option<AsTable> {
             left_out.len()
         );
     }
+    // Without a time in each row a line that is left out is a sample that is lost.
+    let note = if left_out.is_empty() { Note::info(note) } else { Note::warning(note) };
     Some(AsTable { text: rows.join("\n").into_bytes(), note })
 }
 
 /// A text of LabVIEW with the lines `channel names:`, `start times:`, `dt:` and `data:`, each above its values.
-fn with_interval(lines: &[String]) -> Option<AsTable> {
+///
+/// Errors: channels that start at different times.
+fn with_interval(file: &str, lines: &[String]) -> Result<Option<AsTable>> {
+    let starts = lines.iter().position(|line| line.trim() == "start times:").and_then(|at| lines.get(at + 1));
+    let starts: Vec<&str> = starts.map_or(Vec::new(), |line| line.split('\t').map(str::trim).collect());
+    if let Some(other) = starts.iter().find(|start| *start != &starts[0] && !start.is_empty()) {
+        let found = format!("channels that start at {} and at {other} stand beside each other", starts[0]);
+        return refuse_channel(file, found, "one start of all channels", "export each channel into a file of its own");
+    }
+    Ok(of_one_start(lines))
+}
+
+fn of_one_start(lines: &[String]) -> Option<AsTable> {
     let below = |keyword: &str| {
         let at = lines.iter().position(|line| line.trim() == keyword)?;
         Some((at, lines.get(at + 1)?))
@@ -136,7 +152,7 @@ fn with_interval(lines: &[String]) -> Option<AsTable> {
     rows.push(format!("time_s\t{names}"));
     let of_data = lines[data + 1..].iter().take_while(|line| !line.trim().is_empty()).enumerate();
     rows.extend(of_data.map(|(k, line)| format!("{:.9}\t{line}", k as f64 * dt_s)));
-    let note = format!("the sampling interval is that of the line dt, {dt_s} s");
+    let note = Note::info(format!("the sampling interval is that of the line dt, {dt_s} s"));
     Some(AsTable { text: rows.join("\n").into_bytes(), note })
 }
 
@@ -164,7 +180,7 @@ fn scaled(lines: &[String]) -> Option<AsTable> {
         });
         cells.collect::<Vec<_>>().join(",")
     }));
-    let note = "Gyroflow IMU log: its scales (tscale, ascale, gscale) are applied".to_owned();
+    let note = Note::info("Gyroflow IMU log: its scales (tscale, ascale, gscale) are applied");
     Some(AsTable { text: rows.join("\n").into_bytes(), note })
 }
 
@@ -179,6 +195,7 @@ fn series(file: &str, lines: &[String], wanted: Option<&str>) -> Result<Option<A
     };
     let mut all: Vec<Series> = Vec::new();
     let mut places: BTreeMap<String, usize> = BTreeMap::new();
+    let mut tables_of: BTreeMap<String, usize> = BTreeMap::new();
     let mut names: Vec<String> = Vec::new();
     let mut is_below = true;
     for (number, line) in lines.iter().enumerate() {
@@ -196,8 +213,9 @@ fn series(file: &str, lines: &[String], wanted: Option<&str>) -> Result<Option<A
         let field = cell("_field").unwrap_or("_value");
         let key = format!("{field} {}", cell("table").unwrap_or_default());
         let place = *places.entry(key).or_insert_with(|| {
-            let count = all.iter().filter(|(name, _)| name.split(" of table ").next() == Some(field)).count();
-            let name = if count == 0 { field.to_owned() } else { format!("{field} of table {}", count + 1) };
+            let count = tables_of.entry(field.to_owned()).or_default();
+            *count += 1;
+            let name = if *count == 1 { field.to_owned() } else { format!("{field} of table {count}") };
             all.push((name, Vec::new()));
             all.len() - 1
         });
@@ -224,6 +242,6 @@ fn series(file: &str, lines: &[String], wanted: Option<&str>) -> Result<Option<A
         let values: Vec<&str> = chosen.iter().map(|(_, rows)| rows[k].2.as_str()).collect();
         format!("{}\t{}", chosen[0].1[k].1, values.join("\t"))
     }));
-    let note = format!("annotated CSV of InfluxDB: {} series: {}", titles.len(), list(&titles));
+    let note = Note::info(format!("annotated CSV of InfluxDB: {} series: {}", titles.len(), list(&titles)));
     Ok(Some(AsTable { text: text.join("\n").into_bytes(), note }))
 }

@@ -67,7 +67,7 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
             }
             table => table?,
         };
-    rewritten.into_iter().for_each(|note| notes.info(note));
+    rewritten.into_iter().for_each(|note| notes.push(note));
     if edr {
         event_data_recorder::edr_notes(&channels, &mut details, &mut notes);
     }
@@ -192,11 +192,14 @@ pub fn channels_of(
         Some(groups) => pairs::channels(file, header, &rows, &groups, settings, notes, |rows, settings, notes| {
             of_one_time(file, header, rows, settings, comments, notes)
         }),
-        None => of_one_time(file, header, rows, settings, comments, notes).map(|(channels, _)| channels),
+        None => {
+            let (channels, _) = of_one_time(file, header, rows, settings, comments, notes)?;
+            Ok(channels.into_iter().map(|(_, channel)| channel).collect())
+        }
     }
 }
 
-/// The same where all channels have one time; with what the times count from, s, where they are those of a calendar.
+/// The same where all channels have one time, each with its column; and what the times count from, s, where they are those of a calendar.
 fn of_one_time(
     file: &str,
     header: &header::TableHeader,
@@ -204,7 +207,7 @@ fn of_one_time(
     settings: &IngestSettings,
     comments: (Option<&Stated<String>>, Option<&Stated<String>>),
     notes: &mut Notes,
-) -> Result<(Vec<ReadChannel>, Option<f64>)> {
+) -> Result<(Vec<(usize, ReadChannel)>, Option<f64>)> {
     gaps::settle(file, header, &mut rows, settings, notes)?;
     let time = match settings.sample_time {
         Some(interval) => {

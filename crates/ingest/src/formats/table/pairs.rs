@@ -26,7 +26,8 @@ pub fn groups(header: &TableHeader, rows: &Rows) -> Option<Vec<Group>> {
     let of_time: Vec<usize> = filled.iter().copied().filter(|k| is_time_column(header, rows, *k)).collect();
     let first = of_time.first().or(filled.first()).copied()?;
     // `X`, `Y`, `X`, `Y` of two curves.
-    let is_like_first = |k: usize| header.named && bare(header, k) == bare(header, first);
+    let is_like_first =
+        |k: usize| header.named && bare(header, first).is_some_and(|name| bare(header, k) == Some(name));
     let times: Vec<usize> = filled.iter().copied().filter(|k| of_time.contains(k) || is_like_first(*k)).collect();
     let group = |place: usize| {
         let (time, next) = (times[place], times.get(place + 1).copied().unwrap_or(usize::MAX));
@@ -34,20 +35,28 @@ pub fn groups(header: &TableHeader, rows: &Rows) -> Option<Vec<Group>> {
     };
     let groups: Vec<Group> = (0..times.len()).map(group).collect();
     let all_have_data = filled.first() == times.first() && groups.iter().all(|group| !group.data.is_empty());
-    let is_apart = |k: &usize| !of_time.contains(k) || differ(rows, first, *k, is_like_first(*k));
+    let is_apart = |k: &usize| !of_time.contains(k) || differ(header, rows, (first, *k), is_like_first(*k));
     (times.len() > 1 && all_have_data && times[1..].iter().any(is_apart)).then_some(groups)
 }
 
 /// The title of a column without its unit and number: `X`, `time[0]` is `time`.
-fn bare(header: &TableHeader, k: usize) -> String {
+fn bare(header: &TableHeader, k: usize) -> Option<String> {
     let name = header.columns[k].name.to_lowercase();
-    name.chars().filter(|c| !c.is_ascii_digit() && !"[]()_-.# ".contains(*c)).collect()
+    let letters: String = name.chars().filter(|c| !c.is_ascii_digit() && !"[]()_-.# ".contains(*c)).collect();
+    Some(letters).filter(|letters| header.columns[k].is_named && !letters.is_empty())
 }
 
 /// Whether two columns of times are not the same: in their steps, or by the clock in where they start; as numbers of
 /// one name also there.
-fn differ(rows: &Rows, a: usize, b: usize, is_one_name: bool) -> bool {
-    let [of_a, of_b] = [a, b].map(|k| rows.columns[k].iter().copied().filter(|t| !t.is_nan()).collect::<Vec<_>>());
+fn differ(header: &TableHeader, rows: &Rows, (a, b): (usize, usize), is_one_name: bool) -> bool {
+    let scale = match (&header.columns[a].unit, &header.columns[b].unit) {
+        (Unit::Time(of_a), Unit::Time(of_b)) => of_b / of_a,
+        _ => 1.0,
+    };
+    let times = |k: usize, scale: f64| -> Vec<f64> {
+        rows.columns[k].iter().filter(|t| !t.is_nan()).map(|t| t * scale).collect()
+    };
+    let (of_a, of_b) = (times(a, 1.0), times(b, scale));
     let (Some(first_of_a), Some(first_of_b)) = (of_a.first(), of_b.first()) else { return false };
     let slack = 0.5 * median_step(&of_a).abs();
     let starts = match (rows.cells[a], rows.cells[b]) {
@@ -67,7 +76,7 @@ pub fn channels(
     groups: &[Group],
     settings: &IngestSettings,
     notes: &mut Notes,
-    mut read: impl FnMut(Rows, &IngestSettings, &mut Notes) -> Result<(Vec<ReadChannel>, Option<f64>)>,
+    mut read: impl FnMut(Rows, &IngestSettings, &mut Notes) -> Result<(Vec<(usize, ReadChannel)>, Option<f64>)>,
 ) -> Result<Vec<ReadChannel>> {
     let data: Vec<usize> = groups.iter().flat_map(|group| group.data.clone()).collect();
     let names = ids(header, &data);
@@ -81,6 +90,9 @@ pub fn channels(
         Some(asked) => group.data.contains(&asked),
         None => !has_any || group.data.iter().any(is_acceleration),
     };
+    if rows.begins_late {
+        notes.warning("columns that are blank in the first rows and filled later are left out");
+    }
     let mut all = Vec::new();
     let mut first_origin = None;
     for group in groups {
@@ -90,21 +102,22 @@ pub fn channels(
             listing: settings.listing || !is_meant(group),
             ..settings.clone()
         };
-        let (mut channels, origin) = read(own, &of_group, notes)?;
+        let (channels, origin) = read(own, &of_group, notes)?;
         let origin = match rows.cells[group.time] {
             Cells::Stamps(first) => Some(Origin::Clock(first)),
             _ => origin.map(Origin::Seconds),
         };
         let later_s = first_origin.get_or_insert(origin).zip(origin).map_or(0.0, |(first, own)| own.since(first));
-        for (read, k) in channels.iter_mut().zip(&group.data) {
-            let place = data.iter().position(|own| own == k).unwrap_or(0);
+        for (k, mut read) in channels {
+            // A list of what cannot be read holds the times too.
+            let Some(place) = data.iter().position(|own| *own == k) else { continue };
             names[place].clone_into(&mut read.channel.id);
             let moved = read.wave.as_ref().map(|wave| wave.starting_at(wave.t0_s() + later_s));
             if let Some(Ok(moved)) = moved.filter(|_| later_s != 0.0) {
                 read.wave = Some(moved);
             }
+            all.push(read);
         }
-        all.extend(channels);
     }
     let titles: Vec<&str> = groups.iter().map(|group| header.columns[group.time].title.as_str()).collect();
     notes.info(format!("{} columns of times, each of the channels behind it: {}", titles.len(), titles.join(", ")));
@@ -131,7 +144,13 @@ impl Origin {
 impl Rows {
     /// These columns alone, in the rows that have a time.
     fn of(&self, time: usize, data: &[usize]) -> Self {
-        let mut own = Self { columns: vec![Vec::new(); self.columns.len()], ..self.clone() };
+        let mut own = Self {
+            columns: vec![Vec::new(); self.columns.len()],
+            cells: self.cells.clone(),
+            digits: self.digits.clone(),
+            lines: self.lines.clone(),
+            ..Self::default()
+        };
         for k in data.iter().chain([&time]) {
             own.columns[*k].clone_from(&self.columns[*k]);
         }

@@ -192,7 +192,7 @@ pub fn axis(name: &str) -> Option<Axis> {
         "x" | "ax" | "accx" | "accelx" | "xg" | "longitudinal" => Some(Axis::X),
         "y" | "ay" | "accy" | "accely" | "yg" | "lateral" => Some(Axis::Y),
         "z" | "az" | "accz" | "accelz" | "zg" | "vertical" => Some(Axis::Z),
-        "resultant" | "res" | "mag" | "magnitude" => Some(Axis::Resultant),
+        "resultant" | "res" => Some(Axis::Resultant),
         _ => None,
     };
     let of_words = |text: &str| text.to_lowercase().split(|c: char| !c.is_alphanumeric()).find_map(axis_of_word);

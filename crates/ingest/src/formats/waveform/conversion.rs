@@ -243,7 +243,11 @@ pub fn quantities(
                 (QuantityKind::Acceleration, over)
             }
             (Unit::Signal(kind, f), _) => (*kind, *f),
-            (Unit::Unstated | Unit::Unknown(_), Some(unit)) if is_target(k) => unit,
+            (Unit::Unstated | Unit::Unknown(_), Some(unit))
+                if is_target(k) && (unit.0 == QuantityKind::Acceleration || wanted == Some(k) || data.len() == 1) =>
+            {
+                unit
+            }
             _ => (QuantityKind::Other, 1.0),
         };
     }

@@ -87,7 +87,11 @@ fn of_record(record: &ConcernV1, run: &Run, ranking: &Ranking, kind: Kind) -> Co
 fn of_remark(remark: &RemarkV1, run: &Run, ranking: &Ranking, kind: Kind) -> ConcernV1 {
     let about = remark.about.parse().unwrap_or(About::Record);
     let weight = Weight::of_number(remark.weight);
-    let concern = concern(&remark.stage, about, weight, remark.text.clone(), run, ranking, kind);
+    let text = match &remark.written_by {
+        Some(program) => format!("{}; written by {program}", remark.text),
+        None => remark.text.clone(),
+    };
+    let concern = concern(&remark.stage, about, weight, text, run, ranking, kind);
     ConcernV1 { remedy: remark.remedy.clone(), ..concern }
 }
 
