@@ -58,7 +58,7 @@ fn units_and_codes_stand_above_the_names_one_value_a_column() {
 fn a_clock_before_an_arrow_and_labels_before_numbers_are_read() {
     let clock = |k: usize| format!("10:02:{:02}.{:04}", k / 5000, (k % 5000) * 2);
     let arrow = rows(900, |k| format!("{} -> {:.5},0.01,1.00", clock(k), sample(k)));
-    assert_is_the_pulse(read(&arrow, "--unit g --channel 2 --time-zero 20ms"), "clock");
+    assert_is_the_pulse(read(&arrow, "--unit g --channel 1 --time-zero 20ms"), "clock");
     let labelled = |k: usize| format!("t:{:.4} X: {:.5} Y: 0.01 Z: 1.00", k as f64 * 2e-4, sample(k));
     let text = format!("=~=~= log =~=~=\n{}IMPACT!\n{}", rows(300, labelled), rows(600, |k| labelled(k + 300)));
     let read = assert_is_the_pulse(read(&text, "--unit g --channel X --time-unit s --time-zero 20ms"), "labels");

@@ -317,7 +317,8 @@ fn a_table_without_a_time_column_needs_its_interval() {
     assert_eq!((ingested.waves.len(), ingested.waves[1].samples.dt_s()), (2, 2e-3));
     let one: String = (0..100).map(|k| format!("{}\n", (k * 37) % 11)).collect();
     assert_eq!(from_text(&one, &settings).unwrap().waves[0].samples.len(), 100);
-    let error = from_text(&format!("time,a\n{rows}"), &settings).unwrap_err();
+    let growing: String = (0..100).map(|k| format!("{} {}\n", 2 * k, (k * 17) % 7)).collect();
+    let error = from_text(&format!("time,a\n{growing}"), &settings).unwrap_err();
     assert!(error.to_string().contains("column time is named as time"), "{error}");
 }
 

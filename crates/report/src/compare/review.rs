@@ -303,7 +303,7 @@ pub mod tests {
         b.record[1] = "blake3:ffffffffff".into();
         assert_eq!(
             review(&a, &b).cause(),
-            "record crash.csv (01234567) -> crash.csv (ffffffff), and 2 more; the rest follows"
+            "record crash.csv (0123456789) -> crash.csv (ffffffffff), and 2 more; the rest follows"
         );
         b.summary.pipeline = Some("papers/civic".into());
         let kinds: Vec<CauseKind> = review(&a, &b).causes.into_iter().map(|cause| cause.kind).collect();

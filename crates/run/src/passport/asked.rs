@@ -79,7 +79,7 @@ mod tests {
     fn options_of_stages_stay_and_what_names_a_file_is_refused() {
         let kept = |words: &str| asked("ingest", words).unwrap();
         assert_eq!(kept("--mass 1450kg --time-zero -5ms"), "--mass 1450kg --time-zero -5ms");
-        assert_eq!(kept("--mass=9kg --compress zstd --memory-limit=2GiB"), "--mass=9kg");
+        assert_eq!(kept("--mass=9kg --compress zstd --memory-limit=2GiB"), "'--mass=9kg'");
         for words in
             ["--dependent x", "-o x", "--mass 1kg -ox", "--output=x", "--pipeline x", "x", "-- x", "--check-options"]
         {

@@ -57,6 +57,12 @@ impl Record {
         let is_same = |path: &PathBuf| digest_of(path).as_deref() == sidecar;
         let sidecar_path = beside.filter(is_same);
         let name = sidecar_of(&source.name);
+        // Without them nobody can run it again.
+        if sidecar.is_some() && sidecar_path.is_none() {
+            let problem = format!("the options beside the record, {name}, are not what the run read");
+            let hint = "put the file as it was beside the record and call it from where the run was made, or run again";
+            return Err(refused(problem, hint).into());
+        }
         let sidecar = sidecar.map(|digest| input(name, sidecar_path.as_deref(), digest, true));
         Ok(Self { item, path: single.map(Path::to_owned), sidecar, sidecar_path })
     }

@@ -53,12 +53,22 @@ fn clock_and_row(line: &str) -> Option<(&str, &str)> {
 }
 
 fn behind_a_clock(lines: &[String]) -> AsTable {
+    let delimiter_of = |row: &str| [';', '\t', ','].into_iter().find(|c| row.contains(*c)).unwrap_or(' ');
     let row = |line: &String| {
         let Some((clock, row)) = clock_and_row(line) else { return line.clone() };
-        let delimiter = [';', '\t', ','].into_iter().find(|c| row.contains(*c)).unwrap_or(' ');
-        format!("{clock}{delimiter}{row}")
+        format!("{clock}{}{row}", delimiter_of(row))
     };
-    let text = lines.iter().map(row).collect::<Vec<_>>().join("\n").into_bytes();
+    let mut rows: Vec<String> = lines.iter().map(row).collect();
+    // Without names the numbers are called by their places behind the clock, as people count them.
+    if let Some((_, first)) = lines.first().and_then(|line| clock_and_row(line)) {
+        let delimiter = delimiter_of(first);
+        let fields: Vec<&str> = first.split(delimiter).filter(|field| !field.is_empty()).collect();
+        if fields.iter().all(|field| NumberStyle::POINT.field(field.trim().as_bytes()).is_some()) {
+            let names = (1..=fields.len()).map(|place| format!("{delimiter}{place}"));
+            rows.insert(0, format!("time{}", names.collect::<String>()));
+        }
+    }
+    let text = rows.join("\n").into_bytes();
     AsTable { text, note: Note::info("the clock in front of each row, before \"->\", is the time") }
 }
 

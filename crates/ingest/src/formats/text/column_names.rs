@@ -57,6 +57,10 @@ pub fn stated_unit(file: &str, symbol: &str, from: &str, is_of_speed: bool) -> R
 pub fn split_unit(title: &str) -> (String, Unit) {
     let title = title.trim();
     if let Some(start) = unit::opening_bracket(title) {
+        // `time[0]`: a number among several, and no unit.
+        if title[start + 1..title.len() - 1].bytes().all(|b| b.is_ascii_digit()) {
+            return (title.to_owned(), Unit::Unstated);
+        }
         let unit = symbol(&title[start + 1..title.len() - 1], title);
         // `Acc in m/(s*s)`: the bracket belongs to the unit.
         let within = title[..start].ends_with('/').then(|| unbracketed(title));
@@ -256,6 +260,7 @@ mod tests {
             ("Acc m/(s*s)", metre_again),
             ("accel", Unit::Unstated),
             ("x [furlong]", Unit::Unknown("furlong".to_owned())),
+            ("time[0]", Unit::Unstated),
         ] {
             assert_eq!(split_unit(name).1, unit, "{name}");
         }
