@@ -41,9 +41,9 @@ impl WithInputs {
     /// Widens the intervals of an assessment by a share of the mass in front of the last one that lies anywhere within
     /// `half_width` of that of the minimum.
     ///
-    /// Of a double model whose misfit the noise before the event explains, they are those of its transfer function, see
-    /// `transfer_posterior`, with a share that is known (`half_width` 0) and with uncertain inputs too. All of them hold
-    /// the fitted value.
+    /// Of a double model whose misfit the noise before the event explains, they are those of its transfer function
+    /// (`transfer_posterior`), with a share that is known (`half_width` 0) and with uncertain inputs too. All of them
+    /// hold the fitted value.
     ///
     /// Else the fit is repeated at eight other shares, the masses in front in their proportion to each other and the
     /// total kept. The interval reaches from the 2.5th to the 97.5th percentile of the mixture of all shares: at each

@@ -102,8 +102,8 @@ struct Likelihood {
 }
 
 impl Likelihood {
-    /// From the response at a model, straight in the numbers. The errors of inputs move the best numbers at a given `y`,
-    /// and the best `y`; both variances gain what they move. `None` where it is not determined.
+    /// From the response at a model, straight in the numbers. The errors of inputs move the best numbers at a given
+    /// `y`, and the best `y`; their covariance gains what they move. `None` where it is not determined.
     fn at((source, by_inputs): Recorded<'_>, coordinates: &Coordinates, theta: &[f64], scale: f64) -> Option<Self> {
         let (residuals, by_theta) = source.linear(theta)?;
         let numbers = |theta: &[f64]| {

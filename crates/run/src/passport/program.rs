@@ -23,8 +23,8 @@ use crate::folder::content::is_artifact;
 use crate::program::digest_of;
 use crate::recipe::{Typed, VERSION, place_of};
 
-/// Writes what a run was made from and what it made as a Workflow Run RO-Crate, with digests of record, programs, options
-/// and results.
+/// Writes what a run was made from and what it made as a Workflow Run RO-Crate, with digests of record, programs,
+/// options and results.
 ///
 /// The record, and results that hold or draw its samples, stay out: the crate has their digests. `crumple check
 /// --passport` runs it again from the record and compares.

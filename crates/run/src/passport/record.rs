@@ -58,7 +58,8 @@ impl Record {
         let sidecar_path = beside.filter(is_same);
         let name = sidecar_of(&source.name);
         // Without them nobody can run it again.
-        if sidecar.is_some() && sidecar_path.is_none() {
+        let is_of_several_files = same.is_some() && single.is_none();
+        if sidecar.is_some() && sidecar_path.is_none() && !is_of_several_files {
             let problem = format!("the options beside the record, {name}, are not what the run read");
             let hint = "put the file as it was beside the record and call it from where the run was made, or run again";
             return Err(refused(problem, hint).into());

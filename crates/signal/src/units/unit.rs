@@ -162,8 +162,8 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     (&["mm2"], Area, 1e-6),
 ];
 
-/// Without blanks, powers and quotients of seconds in one spelling: `m/s²`, `m/s^2`, `m/s**2`, `m/sec/sec` and `m/(s*s)`
-/// are `m/s2`, `m·s⁻²` is `ms-2`, `g’s` is `g's`.
+/// Without blanks, powers and quotients of seconds in one spelling: `m/s²`, `m/s^2`, `m/s**2`, `m/sec/sec` and
+/// `m/(s*s)` are `m/s2`, `m·s⁻²` is `ms-2`, `g’s` is `g's`.
 fn squeeze(text: &str) -> String {
     let plain = text.replace("**", "");
     let plain = plain.chars().filter(|c| !c.is_whitespace() && *c != '^').map(|c| match c {

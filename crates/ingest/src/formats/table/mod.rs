@@ -199,7 +199,8 @@ pub fn channels_of(
     }
 }
 
-/// The same where all channels have one time, each with its column; and what the times count from, s, where they are those of a calendar.
+/// The same where all channels have one time, each with its column; and what the times count from, s, where they are
+/// those of a calendar.
 fn of_one_time(
     file: &str,
     header: &header::TableHeader,
