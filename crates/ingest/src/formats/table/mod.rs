@@ -199,6 +199,9 @@ pub fn channels_of(
     }
 }
 
+/// Channels with their columns, and what their times count from, s, where they are those of a calendar.
+type OfOneTime = (Vec<(usize, ReadChannel)>, Option<f64>);
+
 /// The same where all channels have one time, each with its column; and what the times count from, s, where they are
 /// those of a calendar.
 fn of_one_time(
@@ -208,7 +211,7 @@ fn of_one_time(
     settings: &IngestSettings,
     comments: (Option<&Stated<String>>, Option<&Stated<String>>),
     notes: &mut Notes,
-) -> Result<(Vec<(usize, ReadChannel)>, Option<f64>)> {
+) -> Result<OfOneTime> {
     gaps::settle(file, header, &mut rows, settings, notes)?;
     let time = match settings.sample_time {
         Some(interval) => {

@@ -2,6 +2,7 @@
 
 use crumple_signal::Notes;
 
+use crate::formats::table::OfOneTime;
 use crate::formats::table::columns::{ids, select};
 use crate::formats::table::header::TableHeader;
 use crate::formats::table::layout::Cells;
@@ -76,7 +77,7 @@ pub fn channels(
     groups: &[Group],
     settings: &IngestSettings,
     notes: &mut Notes,
-    mut read: impl FnMut(Rows, &IngestSettings, &mut Notes) -> Result<(Vec<(usize, ReadChannel)>, Option<f64>)>,
+    mut read: impl FnMut(Rows, &IngestSettings, &mut Notes) -> Result<OfOneTime>,
 ) -> Result<Vec<ReadChannel>> {
     let data: Vec<usize> = groups.iter().flat_map(|group| group.data.clone()).collect();
     let names = ids(header, &data);
