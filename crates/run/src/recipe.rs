@@ -175,7 +175,7 @@ pub(crate) fn place_of(folder: &Path, named: &str) -> Option<PathBuf> {
 /// Flags with their values: `--mass 1450kg`, `--trim`.
 pub(crate) fn grouped(words: &[String]) -> Flags {
     let mut groups = Flags::new();
-    for word in words.iter() {
+    for word in words {
         match groups.last_mut() {
             Some(group) if !word.starts_with("--") => group.push(word.clone()),
             _ => groups.push(vec![word.clone()]),

@@ -278,10 +278,8 @@ fn compare_pair(
     let [a, b] = [&before.path, &after.path];
     let sides = [Side::read(a)?, Side::read(b)?];
     let with_accepted = sides.iter().any(|side| side.is_kept);
-    // Artifacts that somebody gathered may be of any tests; those of a run are of one.
-    let is_of_a_run = |path: &Path| with_accepted || path.join(Pipeline::OF_A_RUN).is_file();
-    for (side, _) in sides.iter().zip([a, b]).filter(|(_, path)| is_of_a_run(path)) {
-        side.refuse_a_mixture()?;
+    if with_accepted {
+        sides.iter().try_for_each(Side::refuse_a_mixture)?;
     }
     // What was before says what the same is: a change does not widen its own limits.
     let settings = &sides[0].kept.within(settings)?;

@@ -23,7 +23,7 @@ edit() {
 /// A pair: what is done, how `diff a b` ends, and the causes that it names.
 type Pair = (&'static str, &'static str, i32, &'static [&'static str]);
 
-const PAIRS: [Pair; 48] = [
+const PAIRS: [Pair; 46] = [
     // The test.
     ("mass", "again --mass 1500kg", 1, &["test.mass_kg"]),
     ("speed", "again --impact-speed 58km/h", 1, &["test.impact_speed_m_per_s"]),
@@ -48,15 +48,6 @@ const PAIRS: [Pair; 48] = [
     ("twice", "again", 0, &[]),
     ("a filter of one's own", "again --stage \"filter=python3 $OWN filter:wide\"", 1, &["filter"]),
     ("the same by a program of one's own", "again --stage \"simulate=python3 $OWN simulate:copy\"", 0, &["simulate"]),
-    (
-        "a program with another file",
-        "cp $OWN own.py; own=\"filter=python3 own.py filter:wide\"
-         crumple run crash.csv $models --stage \"$own\" -o a --force
-         sed -i 's/mean(waves\\[c\\[\"id\"\\]\\]\\[\"x\"\\], 22)/mean(waves[c[\"id\"]][\"x\"], 40)/' own.py
-         again --stage \"$own\"",
-        1,
-        &["filter"],
-    ),
     (
         "a program with another remark",
         "cp $OWN own.py; own=\"filter=python3 own.py filter:wide\"
@@ -96,13 +87,6 @@ const PAIRS: [Pair; 48] = [
     // What stands in artifacts and summary.
     ("order of candidates", "edit 5-parameter-solve '1!G;h;$!d'", 0, &["parameter-solve"]),
     (
-        "a zero that is determined",
-        "edit 5-parameter-solve \
-         '/kelvin\\/direct-fit\\/1\"/s/\"damping_n_s_per_m\":0.0,/\"damping_n_s_per_m\":900.0,/'",
-        1,
-        &["parameter-solve"],
-    ),
-    (
         "a parameter to zero",
         "edit 5-parameter-solve '/closed-form\\/1\"/s/\"unloading_stiffness_n_per_m\":[0-9.]*/\
          \"unloading_stiffness_n_per_m\":0.0/'",
@@ -119,7 +103,7 @@ const PAIRS: [Pair; 48] = [
     (
         "an interval",
         "edit 5-parameter-solve \
-         '/plastic\\/closed-form\\/1\"/s/\"interval_low\":{\"loading_stiffness_n_per_m\":[0-9]/&9/'",
+         '/plastic\\/closed-form\\/1\"/s/\\(\"interval_low\":{\"loading_stiffness_n_per_m\":\\)[0-9.]*/\\1100000.0/'",
         1,
         &["parameter-solve"],
     ),
@@ -140,13 +124,13 @@ const PAIRS: [Pair; 48] = [
     ),
     ("status", "sed -i 's/\"status\": \"usable\"/\"status\": \"do-not-use\"/' b/summary.json", 1, &[]),
     ("an artifact is gone", "rm b/6-simulate.mcap", 1, &[]),
-    // No result to compare.
     (
         "an artifact of another run",
         "crumple run crash.csv --mass 1500kg $models -o c; cp c/3-integrate.mcap b/",
-        2,
+        1,
         &[],
     ),
+    // No result to compare.
     ("half an artifact", "head -c 3000 a/3-integrate.mcap > b/3-integrate.mcap", 2, &[]),
     ("a refused record", "echo nonsense > crash.csv; crumple run crash.csv $models -o b || true", 2, &[]),
 ];
