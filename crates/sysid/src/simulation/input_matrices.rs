@@ -6,7 +6,7 @@ use crumple_numerics::lti::StateSpace;
 use nalgebra::DMatrix;
 
 use crate::data::columns_of;
-use crate::simulation::initial_state::left_multiply;
+use crate::simulation::initial_state::{end_what_decayed, left_multiply};
 use crate::{IdentifyError, IoData};
 
 /// Singular values below this fraction of the largest count as zero: states that the record does not show.
@@ -72,6 +72,7 @@ pub(crate) fn input_matrices(
                 }
                 left_multiply(&free, &columns, &mut next);
                 std::mem::swap(&mut free, &mut next);
+                end_what_decayed(&mut free);
                 block[(width - 1) * count + k] = measured[first + k] / y_scales[i];
             }
             factor.push(count, &mut block);
@@ -97,6 +98,10 @@ pub(crate) fn grows(a: &DMatrix<f64>, samples: usize) -> bool {
         left_multiply(&v, &columns, &mut next);
         std::mem::swap(&mut v, &mut next);
         let square = dot(&v, &v);
+        // It has decayed to below 1e-160.
+        if square == 0.0 {
+            return false;
+        }
         if square.is_nan() || square >= LARGEST_GROWTH * LARGEST_GROWTH {
             return true;
         }
