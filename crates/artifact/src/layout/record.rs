@@ -16,7 +16,7 @@ use crate::records::{
     ArxScanV1, CandidateV1, ChannelFilterV1, ConcernsV1, ConcernsV2, DamageV1, DiagnosisV1, EventsV1, EvidenceV1,
     ExponentialSumV1, IdentificationV1, ImpactsV1, MatchingV1, MetricsV1, MetricsV2, ModesV1, ModesV2, NotesV1,
     PredictionV1, QualityV1, RecommendationV1, RecordChecksV1, ResponseV1, SelectionV1, ShapesV1, SimulationV1,
-    StabilizationV1, StateSpaceV1, TestV1, TestsV1, TransferFunctionV1, VehiclesV1, WaveBlockV1,
+    StabilizationV1, StateSpaceV1, TestV1, TestsV1, TestsV2, TransferFunctionV1, VehiclesV1, WaveBlockV1,
 };
 
 /// A type that may stand in an artifact. A record is a JSON object: viewers and checks of schemas take no other.
@@ -161,6 +161,7 @@ record! {
     StateSpaceV1 => "crumple.StateSpace.v1",
     TestV1 => "crumple.Test.v1",
     TestsV1 => "crumple.Tests.v1",
+    TestsV2 => "crumple.Tests.v2" after TestsV1,
     TransferFunctionV1 => "crumple.TransferFunction.v1",
     WaveBlockV1 => "crumple.WaveBlock.v1",
 }

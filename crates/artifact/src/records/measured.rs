@@ -1,5 +1,6 @@
 //! Records of ingest, filter and integrate: vehicles and damage, waveforms, filters, quality, events, metrics.
 
+use crumple_signal::HALF_OF_90_PERCENT;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -229,6 +230,13 @@ impl EventsV1 {
     /// the end of a record that ends at `end_s`.
     pub fn end_of_contact_s(&self, end_s: f64) -> f64 {
         self.time_of_rebound_s.or(self.time_of_delta_v_s).map_or(end_s, |t| t.min(end_s))
+    }
+
+    /// Standard deviation of the dynamic crush by the inputs of its test, m: of a normal distribution as wide as its
+    /// 5-95 % interval.
+    pub fn crush_deviation_m(&self) -> Option<f64> {
+        let interval = self.intervals.iter().find(|interval| interval.name == "dynamic_crush_m")?;
+        Some((interval.high - interval.low) / (2.0 * HALF_OF_90_PERCENT))
     }
 }
 

@@ -23,7 +23,7 @@ pub use fitted::{
     CandidateV1, Certainty, Doubt, EnergyV1, EvaluationV1, FitV1, JointTestV1, MassDivisionsV1, MatchingRootV1,
     MatchingSolutionV1, MatchingSweepV1, MatchingV1, MotionBandV1, OtherSensorV1, PhysicalCoordinatesV1, PriorTermV1,
     PriorV1, ProfileV1, RatedCandidateV1, RatingV1, RecommendationEvidenceV1, RecommendationV1, ReplicatesV1,
-    ResidualV1, SensorFitV1, SimulationV1, StrengthV1, TestsV1, UncertaintyV1,
+    ResidualV1, SensorFitV1, SimulationV1, StrengthV1, TestsV1, TestsV2, UncertaintyV1,
 };
 pub use identified::{
     EvidenceV1, ExponentialSumV1, ExponentialTermV1, IdentificationV1, ModeKindV1, ModeV1, ModesV1, ModesV2,

@@ -443,6 +443,7 @@ fn freeze_fitted() {
         }],
         rate_factor: "fitted".to_owned(),
     });
+    freeze(&TestsV2 { tests: Vec::new(), rate_factor: "prior".to_owned(), crush_deviation: Some(0.01) });
     freeze(&MatchingV1 {
         m1_kg: 284.4,
         m2_kg: 1137.6,

@@ -2,7 +2,7 @@
 
 use crumple_lumped_fit::{Comparison, FitQuantity, JointTest, RateFactorSource, Sensor, fit_together};
 use crumple_signal::{Axis, Measurement, Sampled, TestDescription};
-use crumple_stage::records::{EventsV1, JointTestV1, SourceV1, TestV1, TestsV1};
+use crumple_stage::records::{EventsV1, JointTestV1, SourceV1, TestV1, TestsV2};
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt, Usage, option};
 
 use crate::stage::assess::{assess_each, assess_fit};
@@ -134,7 +134,7 @@ fn joint_test(tests: &[OneTest<'_>], reference: &OneTest<'_>) -> TestV1 {
     }
 }
 
-fn tests_record(tests: &[OneTest<'_>]) -> TestsV1 {
+fn tests_record(tests: &[OneTest<'_>]) -> TestsV2 {
     let speeds: Vec<f64> = tests.iter().map(|test| test.record.impact_speed_m_per_s).collect();
     let rate_factor = match RateFactorSource::of(&speeds) {
         RateFactorSource::Fitted => "fitted",
@@ -151,10 +151,24 @@ fn tests_record(tests: &[OneTest<'_>]) -> TestsV1 {
         time_of_dynamic_crush_s: test.events.time_of_dynamic_crush_s,
         coefficient_of_restitution: test.events.coefficient_of_restitution,
     };
-    TestsV1 { tests: tests.iter().map(of_test).collect(), rate_factor: rate_factor.to_owned() }
+    TestsV2 {
+        tests: tests.iter().map(of_test).collect(),
+        rate_factor: rate_factor.to_owned(),
+        crush_deviation: crush_deviation(tests),
+    }
 }
 
-fn warn_of_the_rate(tests: &TestsV1, out: &mut Output) {
+/// That of the mean of all tests, whose inputs err by themselves.
+fn crush_deviation(tests: &[OneTest<'_>]) -> Option<f64> {
+    let variances = tests.iter().map(|test| {
+        let deviation = test.events.crush_deviation_m()?;
+        Some((deviation / test.events.dynamic_crush_m.filter(|crush| *crush > 0.0)?).powi(2))
+    });
+    let sum: f64 = variances.sum::<Option<f64>>()?;
+    Some(sum.sqrt() / tests.len() as f64)
+}
+
+fn warn_of_the_rate(tests: &TestsV2, out: &mut Output) {
     if tests.rate_factor == "prior" {
         let speeds: Vec<String> =
             tests.tests.iter().map(|test| format!("{:.1} km/h", 3.6 * test.impact_speed_m_per_s)).collect();

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crumple_artifact::records::{CandidateV1, ChannelFilterV1, EventsV1, NotesV1, RecommendationV1, TestV1, TestsV1};
+use crumple_artifact::records::{CandidateV1, ChannelFilterV1, EventsV1, NotesV1, RecommendationV1, TestV1, TestsV2};
 use crumple_artifact::{Artifact, ArtifactBuilder};
 use crumple_lumped::{CrushedStructure, DoubleSpringMassDamper, Model};
 use crumple_lumped_fit::{FitQuantity, MeasureModel};
@@ -365,7 +365,7 @@ fn two_speeds_and_masses_tell_the_rate_factor_and_all_tests_are_named() {
     let (x, a) = ("displacement", "acceleration");
     assert_eq!(fitted, [("slow:a", x), ("slow:a", a), ("fast:a", x), ("fast:a", a)]);
 
-    let tests: TestsV1 = artifact.record("/tests").unwrap().unwrap();
+    let tests: TestsV2 = artifact.record("/tests").unwrap().unwrap();
     let of = |test: &crumple_artifact::records::JointTestV1| (test.name.clone(), test.mass_kg, test.digest.clone());
     assert_eq!(of(&tests.tests[0]), ("slow".to_owned(), 1250.0, "blake3:slow".to_owned()));
     assert_eq!((tests.tests.len(), tests.rate_factor.as_str()), (2, "fitted"));
@@ -390,7 +390,7 @@ fn tests_at_one_speed_keep_the_prior_with_a_warning() {
     assert!((candidate.parameters["rate_s_per_m"] - 0.004).abs() < 1e-15);
     let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
     assert!(notes.notes.iter().any(|note| note.contains("does not tell the rate effect")), "{notes:?}");
-    assert_eq!(artifact.record::<TestsV1>("/tests").unwrap().unwrap().rate_factor, "prior");
+    assert_eq!(artifact.record::<TestsV2>("/tests").unwrap().unwrap().rate_factor, "prior");
 }
 
 #[test]

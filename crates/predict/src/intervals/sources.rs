@@ -14,7 +14,7 @@ use crate::intervals::tested::{OwnTest, Tested};
 /// Share of cases that an interval is to hold.
 pub const INTERVAL_LEVEL: f64 = 0.9;
 /// Half width of it in standard deviations of a normal distribution.
-pub const HALF_WIDTH: f64 = 1.644_853_626_951_472_7;
+pub use crumple_signal::HALF_OF_90_PERCENT as HALF_WIDTH;
 /// Standard deviation of the rate effect of vehicle structures, s/m: force grows by 0.8 +- 0.5 % per m/s (Cowper &
 /// Symonds for mild steel 1.1 to 1.2 %, for crushed square tubes 0.6 %).
 const RATE_DEVIATION: f64 = 0.005;

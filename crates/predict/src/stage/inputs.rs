@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::{Candidate, HALF_WIDTH, MadeTest, ParameterSpread, Prediction, Quantity, TestedImpact};
 use crumple_lumped::Model;
 use crumple_signal::TestDescription;
-use crumple_stage::records::{AgainstTestV1, CandidateV1, EventsV1, MetricsV2, RecommendationV1, TestsV1};
+use crumple_stage::records::{AgainstTestV1, CandidateV1, EventsV1, MetricsV2, RecommendationV1, TestsV2};
 use crumple_stage::{InputDigest, Inputs, Refused, Usage, errors_in_words, load_artifacts, unknown_name};
 
 /// A candidate that is to predict.
@@ -20,24 +20,22 @@ pub struct Named {
 /// The impact that the candidates are of: that of the test, or the deepest of several tests with the speeds of all.
 /// `None` where nothing tells a speed. Errors: records that cannot be read.
 pub fn tested(input: &Inputs) -> anyhow::Result<Option<TestedImpact>> {
-    let several: Option<TestsV1> = input.record_if("/tests")?;
+    let several: Option<TestsV2> = input.record_if("/tests")?;
     let test = input.test()?;
-    // Of several, what their inputs leave unsure is in what the tests that are left out are missed by.
     let events: Option<EventsV1> = if several.is_some() { None } else { Some(input.record("/events")?) };
     let speed = events.as_ref().and_then(|events| events.impact_speed_m_per_s).or(test.impact_speed_m_per_s);
     let Some(speed) = speed else { return Ok(None) };
     let made = events.as_ref().map(|events| measured(input, &test, events, speed)).transpose()?;
-    let deviation = events.as_ref().and_then(crush_deviation_m);
+    let of_one = events.as_ref().and_then(EventsV1::crush_deviation_m);
+    // Of several, in proportion to the deepest.
+    let of_all = several.as_ref().and_then(|several| {
+        let deepest = several.tests.iter().filter_map(|test| test.dynamic_crush_m).fold(0.0, f64::max);
+        Some(several.crush_deviation? * deepest)
+    });
+    let deviation = of_one.or(of_all);
     let speeds = several.iter().flat_map(|several| &several.tests).map(|test| test.impact_speed_m_per_s);
     let tested = TestedImpact::new(speed, speeds).with_crush_deviation(deviation.unwrap_or(0.0));
     Ok(Some(tested.with_measured(made.unwrap_or_default())))
-}
-
-/// Standard deviation of the dynamic crush by the inputs of its test, m: of a normal distribution as wide as its 5-95 %
-/// interval.
-fn crush_deviation_m(events: &EventsV1) -> Option<f64> {
-    let interval = events.intervals.iter().find(|interval| interval.name == "dynamic_crush_m")?;
-    Some((interval.high - interval.low) / (2.0 * HALF_WIDTH))
 }
 
 /// All candidates, with what the choice says of them.

@@ -11,7 +11,7 @@ use crumple_artifact::Artifact;
 use crumple_artifact::records::{
     CandidateV1, ChannelFilterV1, ConcernV1, ConcernsV2, DiagnosisV1, EvidenceV1, IdentificationV1, ImpactsV1,
     MetricsV2, ModesV2, NotesV1, PredictionV1, QualityV1, ResponseV1, SeverityV1, SimulationV1, StabilizationV1,
-    StateSpaceV1, TestV1, TestsV1, TransferFunctionV1,
+    StateSpaceV1, TestV1, TestsV2, TransferFunctionV1,
 };
 use crumple_signal::{About, Channel, Note, QuantityKind, Sampled, TestDescription, Weight};
 use crumple_stage::joints::{Contradiction, contradictions};
@@ -28,7 +28,7 @@ pub fn gather(inputs: &Inputs, pipeline: Option<&Pipeline>) -> anyhow::Result<Ru
         Some(_) => run.test = inputs.test()?,
         None => run.missing.push(texts.no_description.to_owned()),
     }
-    run.joint = inputs.record_if::<TestsV1>("/tests")?.map(JointTests::new);
+    run.joint = inputs.record_if::<TestsV2>("/tests")?.map(JointTests::new);
     run.events = inputs.record_if("/events")?;
     run.impacts = match &run.events {
         Some(events) => events.impacts.clone(),

@@ -7,8 +7,9 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use crumple_artifact::{OutputKind, write_atomically};
 use crumple_report::OF_SEVERAL_TESTS;
+use crumple_signal::HALF_OF_90_PERCENT;
 use crumple_stage::records::{
-    AgainstTestV1, CandidateV1, DiagnosisV1, JointTestV1, PredictionV1, RecommendationV1, TestsV1,
+    AgainstTestV1, CandidateV1, DiagnosisV1, JointTestV1, PredictionV1, RecommendationV1, TestsV2,
 };
 use crumple_stage::{Refused, by_way, errors_in_words, load_artifacts, say};
 use serde::{Deserialize, Serialize};
@@ -72,7 +73,7 @@ impl JointSummary {
 /// Writes `summary.json` in one piece, and says the table.
 pub(crate) fn write_summary(folder: &Path, pipeline: &str, held_out: &[HeldOutTest]) -> anyhow::Result<()> {
     let joint = load_artifacts(&[folder.join(SOLVED)])?.input;
-    let tests: TestsV1 = joint.record_if("/tests")?.unwrap_or_default();
+    let tests: TestsV2 = joint.record_if("/tests")?.unwrap_or_default();
     let candidates: Vec<(String, CandidateV1)> = joint.records("/parameters/")?;
     let choice: RecommendationV1 = joint.record_if("/recommendation")?.unwrap_or_default();
     let predictions: Vec<(String, PredictionV1)> = match folder.join(PREDICTED) {
@@ -172,7 +173,7 @@ pub(crate) fn folder_without(folder: &Path, test: &str) -> PathBuf {
 
 /// The tests of a joint result, each left out once. Refuses a folder whose tests were not all predicted.
 pub(crate) fn left_out_of(folder: &Path) -> anyhow::Result<Vec<HeldOutTest>> {
-    let tests: Option<TestsV1> = load_artifacts(&[folder.join(SOLVED)])?.input.record_if("/tests")?;
+    let tests: Option<TestsV2> = load_artifacts(&[folder.join(SOLVED)])?.input.record_if("/tests")?;
     let refused = |problem: String| {
         Refused::new(problem)
             .hint(format!("{} A.EV5 B.EV5 ... makes all of it again", by_way("just together", "crumple together")))
@@ -210,9 +211,6 @@ pub(crate) fn remove_of_others(folder: &Path, tests: &[&str]) -> anyhow::Result<
     }
     Ok(())
 }
-
-/// Half width of the 90 % intervals of a prediction in standard deviations.
-const HALF_OF_90_PERCENT: f64 = 1.644_853_626_951_472_7;
 
 /// By how much tests that were left out were missed: root mean square of the errors of their dynamic crush over the
 /// standard deviations of those predictions. `None` where none was predicted.

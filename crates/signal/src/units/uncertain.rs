@@ -53,6 +53,9 @@ pub struct Spread {
     pub distribution: Distribution,
 }
 
+/// Half width of a 90 % interval in standard deviations of a normal distribution.
+pub const HALF_OF_90_PERCENT: f64 = 1.644_853_626_951_472_7;
+
 impl Spread {
     /// Uncertainty of an impact speed, m/s, where nobody states it: 0.1 km/h to either side, as a laboratory's light
     /// barriers measure it.

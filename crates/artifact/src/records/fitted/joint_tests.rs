@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The tests that one model was fitted to. Topic `/tests`.
+/// The tests that one model was fitted to, before their inputs were part of it.
 ///
 /// Where an artifact holds it, candidates are of all of these tests, with the mass of the first in `/test`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -12,6 +12,26 @@ pub struct TestsV1 {
     pub tests: Vec<JointTestV1>,
     /// What the speeds of the tests say of the rate factor of a structure: `fitted` or `prior`.
     pub rate_factor: String,
+}
+
+/// The tests that one model was fitted to. Topic `/tests`.
+///
+/// Where an artifact holds it, candidates are of all of these tests, with the mass of the first in `/test`.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct TestsV2 {
+    /// The tests, in the order given.
+    pub tests: Vec<JointTestV1>,
+    /// What the speeds of the tests say of the rate factor of a structure: `fitted` or `prior`.
+    pub rate_factor: String,
+    /// Standard deviation of a dynamic crush by the inputs of all tests (speed, zero level, gain, time zero, each of its
+    /// own test), over the crush; `null`: not known of one of them.
+    pub crush_deviation: Option<f64>,
+}
+
+impl From<TestsV1> for TestsV2 {
+    fn from(TestsV1 { tests, rate_factor }: TestsV1) -> Self {
+        Self { tests, rate_factor, crush_deviation: None }
+    }
 }
 
 /// One test of a joint fit.

@@ -10,7 +10,7 @@ pub use candidate::{
     CandidateV1, Certainty, Doubt, EvaluationV1, FitV1, MassDivisionsV1, ProfileV1, ReplicatesV1, SensorFitV1,
     UncertaintyV1,
 };
-pub use joint_tests::{JointTestV1, TestsV1};
+pub use joint_tests::{JointTestV1, TestsV1, TestsV2};
 pub use matching::{MatchingRootV1, MatchingSolutionV1, MatchingSweepV1, MatchingV1, PhysicalCoordinatesV1};
 pub use recommendation::{
     PriorTermV1, PriorV1, RatedCandidateV1, RecommendationEvidenceV1, RecommendationV1, StrengthV1,

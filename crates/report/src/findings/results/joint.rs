@@ -1,6 +1,6 @@
 //! One model of several tests: the tests, and what the model of the others says of each.
 
-use crumple_artifact::records::{AgainstTestV1, JointTestV1, PredictionV1, TestsV1};
+use crumple_artifact::records::{AgainstTestV1, JointTestV1, PredictionV1, TestsV2};
 
 /// The tests of a joint model.
 #[derive(Debug, Clone, Default)]
@@ -31,7 +31,7 @@ pub enum LeftOut {
 
 impl JointTests {
     /// The tests of a record, none left out yet.
-    pub fn new(tests: TestsV1) -> Self {
+    pub fn new(tests: TestsV2) -> Self {
         Self {
             tests: tests.tests.into_iter().map(|test| TestOfJointModel { test, left_out: LeftOut::NotTried }).collect(),
         }
