@@ -35,8 +35,8 @@ impl Display for Place {
 }
 
 /// The formats that are read, in words.
-pub(crate) const WHAT_IS_READ: &str =
-    "a table of numbers, Excel, MATLAB, NHTSA EV5, ISO-MME, TDMS, TDM, LVM, UFF 58, MCAP, a ROS 1 bag, or a zip of one";
+pub(crate) const WHAT_IS_READ: &str = "a table of numbers, JSON lines, Excel, MATLAB, HDF5, NHTSA EV5, ISO-MME, TDMS, TDM, LVM, UFF 58, MCAP, a ROS 1 bag, \
+     or a zip of one";
 /// What to do about samples that are missing inside a record.
 pub(crate) const GAPS_ARE_NOT_FILLED: &str =
     "cut the record before the gap, or fill it in the program that made it: gaps are not filled here";
@@ -58,6 +58,19 @@ pub enum Refusal {
     Other,
 }
 
+/// What a person can state that answers a refusal.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Question {
+    /// The unit of the times.
+    UnitOfTime,
+    /// The sampling interval.
+    Interval,
+    /// The unit of the accelerations.
+    Unit,
+    /// The channel with the pulse; one that may be it.
+    Channel(String),
+}
+
 /// Why an input is refused. All of these are the input's, none the program's: exit code 3.
 ///
 /// The message says where and what was found; [`expected`](Self::expected) and [`hint`](Self::hint) the rest.
@@ -69,6 +82,8 @@ pub struct IngestError {
     message: String,
     expected: String,
     hint: String,
+    /// What would answer it.
+    pub(crate) question: Option<Question>,
 }
 
 /// What may be refused.
@@ -113,11 +128,24 @@ impl IngestError {
 
     /// The same with other advice.
     pub(crate) fn with_hint(self, hint: &str) -> Self {
-        Self { hint: hint.to_owned(), ..self }
+        Self { hint: hint.to_owned(), question: None, ..self }
+    }
+
+    /// The same as a question that a flag answers.
+    pub(crate) fn asking(self, question: Question) -> Self {
+        Self { question: Some(question), ..self }
+    }
+
+    /// The same with what would be asked next: `answers` are flags with their values in words.
+    pub(crate) fn with_next(self, next: &[Self], answers: &[String]) -> Self {
+        let messages = std::iter::once(&self).chain(next).map(|error| error.message.as_str());
+        let message = messages.collect::<Vec<_>>().join("; ");
+        let hint = format!("{}; in the same line {}", self.hint, answers.join(" and "));
+        Self { message, hint, ..self }
     }
 
     fn new(refusal: Refusal, message: String, expected: impl Display, hint: impl Display) -> Self {
-        Self { refusal, message, expected: expected.to_string(), hint: hint.to_string() }
+        Self { refusal, message, expected: expected.to_string(), hint: hint.to_string(), question: None }
     }
 
     /// Content that is not what its format asks for, at a [`Place`] or in a file.
@@ -152,7 +180,7 @@ impl IngestError {
     /// A unit of time that is stated nowhere.
     pub(crate) fn unit_of_time(file: &str, times: impl Display, expected: &str, hint: &str) -> Self {
         let error = Self::not_stated(file, format!("the unit of time: {times}"), expected, hint);
-        Self { refusal: Refusal::UnitOfTime, ..error }
+        Self { refusal: Refusal::UnitOfTime, ..error }.asking(Question::UnitOfTime)
     }
 
     pub(crate) fn unknown_key(file: &str, key: &str, expected: &str, hint: impl Display) -> Self {

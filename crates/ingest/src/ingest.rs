@@ -2,18 +2,19 @@
 
 use crumple_artifact::records::{DamageV1, VehicleV1};
 use crumple_metrics::{Exchange, Plausibility, plausibility};
+use crumple_signal::value::Time;
 use crumple_signal::{About, Channel, KindOfTest, Notes, Source, TestDescription, TestKind, Weight, part_of};
 
 use crate::checks::exchanges::Answer;
 use crate::checks::{channel_quality, exchanges};
-use crate::error::Refusal;
+use crate::error::{Question, Refusal};
 use crate::files::open;
 use crate::formats::reader::{Bundle, stem};
 use crate::pulse::Polarity;
 use crate::recording::content::{ReadChannel, Recording, Wave};
 use crate::recording::details::{self, Details, Stated};
 use crate::recording::{content, settings};
-use crate::{IngestError, IngestSettings, Result, Sign, contact, impact, kind, pulse, refuse};
+use crate::{IngestError, IngestSettings, Result, Sign, contact, impact, kind, pulse, refuse, wall};
 
 /// Result of the stage.
 #[derive(Debug, Clone)]
@@ -48,10 +49,11 @@ impl Ingested {
 /// exchange of units, speeds, times or signs makes pulse and impact speed fit, the first note asks for it, with the
 /// flag that was tried and mends it.
 pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
-    let mut ingested = match read(bundle, flags) {
-        Err(error) if error.refusal == Refusal::UnitOfTime => proven_unit_of_time(bundle, flags, error)?,
-        read => read?,
+    let ingested = match read(bundle, flags) {
+        Err(error) if error.refusal == Refusal::UnitOfTime => proven_unit_of_time(bundle, flags, error),
+        read => read,
     };
+    let mut ingested = ingested.map_err(|error| everything_asked(bundle, flags, error))?;
     let Some(plausibility) = &ingested.plausibility else { return Ok(ingested) };
     let speed = ingested.test.impact_speed_m_per_s.unwrap_or(0.0);
     let answers = match plausibility {
@@ -70,6 +72,33 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
         ingested.test.exchange_asked = true;
     }
     Ok(ingested)
+}
+
+/// A refusal that a flag answers, with all that would be asked after it: answers are supposed until nothing more is
+/// asked. A record that is read piece by piece is not read again for it.
+fn everything_asked(bundle: &Bundle, flags: &IngestSettings, error: IngestError) -> IngestError {
+    let (mut supposed, mut next, mut answers) = (flags.clone(), Vec::<IngestError>::new(), Vec::new());
+    let mut question = error.question.clone().filter(|_| bundle.large.is_none());
+    while let Some(asked) = question.take() {
+        match asked {
+            Question::UnitOfTime => supposed.time_unit = Some("ms".to_owned()),
+            Question::Interval => supposed.sample_time = Some(Time::from_si(1e-3)),
+            Question::Unit => supposed.unit = Some("g".to_owned()),
+            Question::Channel(id) => supposed.channel = Some(id),
+        }
+        let Err(later) = read(bundle, &supposed) else { break };
+        let is_new = std::iter::once(&error).chain(&next).all(|before| before.question != later.question);
+        let Some(asked) = later.question.clone().filter(|_| is_new) else { break };
+        answers.push(match &asked {
+            Question::UnitOfTime => "--time-unit ms (or s, us)".to_owned(),
+            Question::Interval => "--sample-time 100us, for example".to_owned(),
+            Question::Unit => "--unit g (or m/s^2, whichever it is)".to_owned(),
+            Question::Channel(id) => format!("--channel {id}, for example"),
+        });
+        next.push(later);
+        question = Some(asked);
+    }
+    if next.is_empty() { error } else { error.with_next(&next, &answers) }
 }
 
 /// The record of which nothing states the unit of time, in the unit that physics proves; else `error`.
@@ -171,8 +200,8 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
     }
     channel_quality::check(&waves, pulse_id.as_deref(), speed, polarity, &mut notes);
     let pulse_id = pulse_id.or(velocity.map(|k| recording.channels[k].channel.id.clone()));
-    if let Some(question) = details::question_mass(&recording.details).filter(|_| !is_of_occupant) {
-        notes.concern_first(About::Mass, question);
+    if !is_of_occupant {
+        details::question_mass(&recording.details, flags.mass.is_some(), &mut notes);
     }
 
     let channels: Vec<Channel> = recording.channels.into_iter().map(|read| read.channel).collect();
@@ -208,9 +237,13 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
 /// What the reader makes of the files, the sensors where a person puts them.
 fn recording_of(bundle: &Bundle, choices: &IngestSettings) -> Result<Recording> {
     let mut recording = bundle.read(choices)?;
+    if let Some(scales) = &choices.scale {
+        scales.apply(&bundle.name, &mut recording.channels, &mut recording.notes)?;
+    }
     if let Some(place) = choices.place {
         pulse::place_on_body(&mut recording.channels, place);
     }
+    wall::place(&bundle.name, &mut recording, choices.wall.as_deref())?;
     Ok(recording)
 }
 

@@ -35,11 +35,14 @@ mod recording {
 
     pub mod content;
     pub mod details;
+    pub mod preamble;
+    pub mod scale;
     pub mod settings;
     pub mod stated_contact;
 }
 mod stage;
 mod time;
+mod wall;
 
 pub(crate) use error::{GAPS_ARE_NOT_FILLED, Place, check_size, refuse, refuse_channel, refuse_path, refuse_size};
 pub use error::{IngestError, Refusal, Result};

@@ -12,10 +12,11 @@ use crumple_signal::{
     pre_event,
 };
 
+use crate::error::Question;
 use crate::recording::content::{self, Fitness, MINIMUM_SAMPLES, PulseRule, ReadChannel, Recording};
 use crate::recording::details::Stated;
 use crate::recording::settings::{BodyPlace, select};
-use crate::{Result, refuse_channel};
+use crate::{IngestError, Result, refuse_channel};
 
 /// Index of the pulse among the channels: the one asked for, else the fittest of those that are valid and have data.
 /// What was taken, why, and what else there is goes into a note. `None` only where one may be missing; where nothing
@@ -97,7 +98,7 @@ fn best_candidate(file: &str, recording: &Recording, candidates: &[usize]) -> Re
             let with_data = || recording.channels.iter().filter(|read| read.wave.is_some()).map(|read| &read.channel);
             // The unit of another quantity can be stated; that of a voltage is known, and naming it changes nothing.
             if let Some(other) = with_data().find(|channel| channel.quantity == QuantityKind::Other) {
-                return refuse_channel(file, "no acceleration column with data", "one", which(&other.id, 0));
+                return Err(which(file, "no acceleration column with data".to_owned(), &other.id, 0));
             }
             let measured: Vec<String> = with_data().map(|c| format!("{} ({})", c.id, c.quantity)).collect();
             if measured.is_empty() {
@@ -133,17 +134,18 @@ fn best_candidate(file: &str, recording: &Recording, candidates: &[usize]) -> Re
         (several, PulseRule::OnlyOne) if let Some(pulse) = vehicle_channel(recording, several) => Ok(pulse),
         (several, PulseRule::OnlyOne) => {
             let names = list(several.iter().map(|k| &recording.channels[*k]));
-            let advice = which(&recording.channels[several[0]].channel.id, several.len());
             let found = format!("{} acceleration columns: {names}", several.len());
-            refuse_channel(file, found, "the name of the channel with the crash pulse", advice)
+            Err(which(file, found, &recording.channels[several[0]].channel.id, several.len()))
         }
     }
 }
 
-/// The advice where one of `count` channels has to be named; three may be those of a head.
-pub fn which(id: &str, count: usize) -> String {
+/// The question where one of `count` channels has to be named; three may be those of a head.
+pub fn which(file: &str, found: String, id: &str, count: usize) -> IngestError {
     let head = if count == 3 { "; x, y and z of a head or a chest take --place head or --place chest" } else { "" };
-    format!("add --channel {id}, for example{head}")
+    let hint = format!("add --channel {id}, for example{head}");
+    let error = IngestError::channel(file, found, "the name of the channel with the crash pulse", hint);
+    error.asking(Question::Channel(id.to_owned()))
 }
 
 /// Puts the accelerations into a part of the body: of three without an axis the first is along x, then y and z.
@@ -514,7 +516,9 @@ pub fn choose(file: &str, recording: &Recording, wanted: Option<&str>, notes: &m
         },
         None => {
             let along = |axis| changes.iter().find(|k| recording.channels[**k].channel.axis == axis).copied();
-            let Some(taken) = along(Some(Axis::X)).or_else(|| along(None)) else {
+            let is_only = changes.len() == 1 && quantity == QuantityKind::VelocityChange;
+            let only = || changes.first().copied().filter(|_| is_only);
+            let Some(taken) = along(Some(Axis::X)).or_else(|| along(None)).or_else(only) else {
                 let of = names(&changes);
                 notes.warning(format!("no {what} is along x: {of}; --channel names the one that is meant"));
                 return Ok(None);

@@ -8,7 +8,7 @@ use crumple_artifact::InputDigest;
 use crumple_artifact::records::{TestV1, VehiclesV1};
 use crumple_stage::{
     ExitStatus, Loaded, Outcome, Output, Program, Progress, Refused, Stage, Usage, keep_budget, nearest, printable,
-    run_stage, run_tool, to_stdout,
+    program, run_stage, run_tool, to_stdout,
 };
 
 /// The program. It lists the channels if `--list` is given, else runs the stage: a listing writes no artifact and has
@@ -50,7 +50,7 @@ impl Stage for Ingest {
     fn load(paths: &[PathBuf], _: &IngestSettings) -> anyhow::Result<Loaded<Bundle>> {
         let [path] = paths else {
             return Err(Usage::new(format!("{} inputs, one record is read at a time", paths.len()))
-                .hint("give one file, or the folder of one test")
+                .hint(format!("give one file, or the folder of one test; several records: {}", program("fleet")))
                 .into());
         };
         let bundle = Bundle::open_with_progress(path, show_progress).map_err(refused)?;

@@ -8,7 +8,7 @@
 //! - the pulse: [`crash_events`], [`impacts`](fn@impacts), [`pulse_metrics`], [`sliding_mean`], [`olc`], [`vpi`]; of a
 //!   recorder [`maximum_delta_v`], [`impacts_of_table`], [`RecordedImpact`]
 //! - its shape: [`simple_pulses`], [`best_simple_pulse`]; the sled pulses of standards: [`check_sled_pulse`]
-//! - the occupant: [`hic`], [`clip_contiguous`], [`clip_cumulative`], [`ride_down`]
+//! - the occupant: [`hic`], [`bric`], [`nij`], [`clip_contiguous`], [`clip_cumulative`], [`ride_down`]
 //! - roadside hardware: [`asi`], [`thiv_phd`], [`oiv_ora`]
 //! - reconstruction: [`CrushStiffness`], [`energy_equivalent_speed`]
 //! - two curves: [`iso18571()`], [`cora()`], [`residuals()`]; several: [`agreement`], [`over_channels`]
@@ -35,6 +35,7 @@ mod energy;
 mod error;
 mod hic;
 mod impacts;
+mod injury;
 mod iso18571;
 mod metric {
     //! What a metric is: value, unit, definition, window, interval; the catalogue of definitions.
@@ -51,6 +52,7 @@ mod roadside;
 mod simple_pulse;
 mod sled_pulse;
 mod sums;
+mod two_axes;
 mod two_vehicles;
 mod warping;
 
@@ -74,6 +76,7 @@ pub use energy::{
 pub use error::MetricsError;
 pub use hic::{HIC15_WINDOW_S, HIC36_WINDOW_S, hic, hic_all_pairs, hic_d, hic_d_of};
 pub use impacts::{PulseImpact, first_event, impacts};
+pub use injury::{Dummy, Neck, bric, nij};
 pub use iso18571::{Grade, Iso18571, Iso18571Options, iso18571};
 pub use metric::definitions::{self, Definition, Mark};
 pub use metric::value::{Interval, IntervalBy, Metric, Window};
@@ -88,5 +91,6 @@ pub use restrained_occupant::{OlcOptions, VpiOptions, olc, vpi};
 pub use roadside::{AsiLimits, AsiMethod, FlailSpace, asi, oiv_ora, thiv_phd};
 pub use simple_pulse::{SimplePulse, Wave, best_simple_pulse, simple_pulses};
 pub use sled_pulse::{Demand, Excursion, LeastPeak, Measured, SLED_PULSES, SledCheck, SledPulse, check_sled_pulse};
-pub use sums::sliding_mean;
+pub use sums::{cumulative, sliding_mean};
+pub use two_axes::total_and_direction;
 pub use two_vehicles::{MutualCrush, TwoVehicleImpact, collision, common_velocity};

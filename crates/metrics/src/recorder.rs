@@ -6,10 +6,8 @@ use crumple_signal::{Sampled, Signal};
 use crate::metric::definitions::{
     ABSORBED_SHARE, MAXIMUM_DELTA_V, MAXIMUM_LATERAL_DELTA_V, RECORDED_CRUSH, RECORDED_EES, TIME_OF_MAXIMUM_DELTA_V,
 };
+use crate::two_axes::{LAST_S, row_at_contact, total_and_direction};
 use crate::{Definition, Interval, IntervalBy, Metric, PulseImpact, impacts, largest_restitution};
-
-/// Last moment that counts, s from contact.
-const LAST_S: f64 = 0.3;
 
 /// Steps in which recorders keep a change of velocity, m/s: mph and km/h, whole, tenths and hundredths, the longest
 /// first.
@@ -25,14 +23,12 @@ const STEPS_M_PER_S: [f64; 6] = [0.447_04, 1.0 / 3.6, 0.044_704, 0.1 / 3.6, 0.00
 /// from the table would lose what the smoothing takes off the peak. Absent without a sample at or after contact.
 pub fn maximum_delta_v(change: &Sampled) -> [Metric; 2] {
     let v = change.samples();
-    // 1e-6 of a sample: the slack of decimal time stamps.
     let slack_s = 1e-6 * change.dt_s();
-    let first = change.index_at_or_after(-slack_s);
-    let Some(row) = v.get(first) else {
+    let (first, start) = row_at_contact(change);
+    if first >= v.len() {
         return [&MAXIMUM_DELTA_V, &TIME_OF_MAXIMUM_DELTA_V]
             .map(|definition| Metric::absent(definition, "no sample at or after time zero"));
-    };
-    let start = if first > 0 { *row } else { 0.0 };
+    }
     let counting = (first..v.len()).take_while(|k| change.time_s(*k) <= LAST_S + slack_s);
     let largest =
         counting.fold(first, |k, other| if (v[other] - start).abs() > (v[k] - start).abs() { other } else { k });
@@ -83,7 +79,7 @@ pub struct RecordedImpact<'a> {
 const OF_A_BOUND: &str = "of a change that is a lower bound";
 
 impl RecordedImpact<'_> {
-    /// The largest change along y, the energy-equivalent speed, and with the impact speed the share of the kinetic
+    /// The largest change along y, the total of both axes and its direction, the energy-equivalent speed, and with the impact speed the share of the kinetic
     /// energy and the crush; nothing where the recorder kept no loss of speed along x.
     ///
     /// With the speed `v0`, the loss `D` and the change `y` across at the same time the energy-equivalent speed is
@@ -92,6 +88,7 @@ impl RecordedImpact<'_> {
     /// middle.
     pub fn metrics(&self) -> Vec<Metric> {
         let mut metrics: Vec<Metric> = self.across.map(|y| self.lateral(y)).into_iter().collect();
+        metrics.extend(self.across.into_iter().flat_map(|y| self.in_the_plane(y)));
         let [change, time] = maximum_delta_v(self.along);
         let Some((loss, time_s)) = change.value.map(|v| -v).zip(time.value).filter(|(loss, _)| *loss > 0.0) else {
             return metrics;
@@ -117,6 +114,17 @@ impl RecordedImpact<'_> {
         metrics
     }
 
+    /// The total of both axes and its direction; each of a table in steps is half of its step off, a difference of two
+    /// rows the whole.
+    fn in_the_plane(&self, across: &Sampled) -> [Metric; 2] {
+        let half = |wave: &Sampled, other: &Sampled| {
+            let step = printed_step(wave.samples()).or_else(|| printed_step(other.samples()))?;
+            Some(if row_at_contact(wave).1 == 0.0 { 0.5 * step } else { step })
+        };
+        let half_steps = half(self.along, across).zip(half(across, self.along));
+        total_and_direction(self.along, across, LAST_S, half_steps.map(|(x, y)| [x, y]))
+    }
+
     fn lateral(&self, across: &Sampled) -> Metric {
         let [Metric { value, window, interval, is_lower_bound, .. }, _] = maximum_delta_v(across);
         let metric = Metric::of(&MAXIMUM_LATERAL_DELTA_V, value, "no sample at or after time zero");
@@ -126,8 +134,7 @@ impl RecordedImpact<'_> {
     /// What went into deformation up to the largest change, and its share of the kinetic energy.
     fn energy(&self, v0: f64, loss: f64, loss_range: Option<[f64; 2]>, time_s: f64) -> [Metric; 2] {
         let across = self.across.and_then(|y| {
-            let first = y.index_at_or_after(-1e-6 * y.dt_s());
-            let start = if first > 0 { y.samples().get(first).copied()? } else { 0.0 };
+            let (_, start) = row_at_contact(y);
             Some((y, y.at(time_s)? - start, if start == 0.0 { 0.5 } else { 1.0 }))
         });
         let y = across.map_or(0.0, |(_, y, _)| y.abs());
@@ -155,9 +162,8 @@ impl RecordedImpact<'_> {
     /// that times the duration, a contact half a sampling interval off by that times the speed.
     fn crush(&self, v0: f64) -> Metric {
         let dt = self.along.dt_s();
-        let first = self.along.index_at_or_after(-1e-6 * dt);
+        let (first, start) = row_at_contact(self.along);
         let samples = self.along.samples().get(first..).unwrap_or_default();
-        let start = if first > 0 { samples.first().copied().unwrap_or(0.0) } else { 0.0 };
         let velocity: Vec<f64> = samples.iter().map(|change| v0 + change - start).collect();
         let is_moving = velocity.first().is_some_and(|v| *v > 0.0);
         // A table that begins after contact: its vehicle went on at its speed until then.

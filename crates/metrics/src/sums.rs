@@ -6,7 +6,7 @@ use crate::metric::definitions::{SLIDING_MEAN, SM25};
 use crate::{Definition, Metric};
 
 /// Cumulative trapezoid from 0: `V[0] = 0`, `V[k] = V[k-1] + T·(a[k-1] + a[k])/2`.
-pub(crate) fn cumulative(a: &[f64], dt_s: f64) -> Vec<f64> {
+pub fn cumulative(a: &[f64], dt_s: f64) -> Vec<f64> {
     let mut sum = 0.0;
     let steps = a.windows(2).map(|pair| {
         sum += dt_s * (pair[0] + pair[1]) / 2.0;

@@ -21,8 +21,9 @@ pub(crate) fn place_of_record(project: &Path, record: &Path) -> String {
 /// The folder of all runs of a record: its stem. Where runs of another record are in it, the folder's name stands in
 /// front, and a number behind where that is taken too.
 pub(crate) fn folder_of_record(project: &Path, record: &Path) -> Option<PathBuf> {
-    let (stem, place) = (record.file_stem()?, place_of_record(project, record));
-    let whole = std::path::absolute(record).ok()?;
+    // The current folder has its name from where it lies.
+    let whole = if record.file_stem().is_some() { std::path::absolute(record) } else { record.canonicalize() }.ok()?;
+    let (stem, place) = (whole.file_stem()?, place_of_record(project, record));
     let mut longer = whole.parent().and_then(Path::file_name).unwrap_or_default().to_owned();
     longer.push("-");
     longer.push(stem);

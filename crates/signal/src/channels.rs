@@ -110,8 +110,10 @@ const ELSEWHERE: [&str; 10] = [
     "child",
     "pedestrian",
     "cyclist",
-    "barrier",
+    BARRIER,
 ];
+/// What the location of a load cell of a barrier begins with.
+pub const BARRIER: &str = "barrier";
 
 /// Identity and state of one channel. The samples are elsewhere, in SI units.
 #[derive(Debug, Clone, PartialEq)]
@@ -170,6 +172,14 @@ impl Channel {
         let is_level = matches!(self.axis, Some(Axis::X | Axis::Y));
         let is_of_vehicle = self.code.is_some() && self.may_be_on_vehicle();
         self.quantity == QuantityKind::Acceleration && !(is_level && is_of_vehicle)
+    }
+
+    /// Whether it is the force along x of a load cell in a barrier, or of all of them: its location begins with
+    /// [`BARRIER`], and its axis is x or not stated.
+    pub fn is_wall_force(&self) -> bool {
+        self.quantity == QuantityKind::Force
+            && self.axis.is_none_or(|axis| axis == Axis::X)
+            && self.location.trim().to_lowercase().starts_with(BARRIER)
     }
 
     /// Whether the sensor may sit on the structure of the vehicle: its location does not begin with an occupant,

@@ -13,17 +13,24 @@ pub enum BodyPart {
     Headform,
     /// Chest of a dummy.
     Chest,
+    /// Upper neck of a dummy.
+    Neck,
 }
 
 impl BodyPart {
-    /// The class of its linear acceleration: head 1000, chest 180 (SAE J211-1 Table 1; FMVSS 208).
+    /// The class of its linear acceleration, of a neck of its forces and moments: head 1000, chest 180 (SAE J211-1
+    /// Table 1; FMVSS 208), neck 600 (FMVSS 208 S6.6).
     pub const fn cfc(self) -> u16 {
         match self {
             Self::Head | Self::Headform => 1000,
             Self::Chest => 180,
+            Self::Neck => 600,
         }
     }
 }
+
+/// The class of a head's angular velocity (NHTSA, for BrIC).
+const ROTATION_CFC: u16 = 60;
 
 /// Words of a place near a head that is none.
 const NO_HEAD: [&str; 11] =
@@ -32,9 +39,25 @@ const NO_HEAD: [&str; 11] =
 /// The part of the body an accelerometer sits in, by its ISO code, else by the words of its location (of its id where
 /// there is no location).
 pub fn part_of(channel: &Channel) -> Option<BodyPart> {
-    if channel.quantity != QuantityKind::Acceleration {
-        return None;
-    }
+    let of_neck = |part: &BodyPart| *part == BodyPart::Neck;
+    place_of(channel).filter(|part| channel.quantity == QuantityKind::Acceleration && !of_neck(part))
+}
+
+/// The part of the body of which a criterion takes the channel, and the class that it asks for: an acceleration of head
+/// or chest, the head's angular velocity, force or moment of the upper neck.
+pub fn criterion_of(channel: &Channel) -> Option<(BodyPart, u16)> {
+    let part = place_of(channel)?;
+    let class = match (channel.quantity, part) {
+        (QuantityKind::Acceleration, BodyPart::Head | BodyPart::Headform | BodyPart::Chest) => part.cfc(),
+        (QuantityKind::AngularVelocity, BodyPart::Head) => ROTATION_CFC,
+        (QuantityKind::Force | QuantityKind::Moment, BodyPart::Neck) => part.cfc(),
+        _ => return None,
+    };
+    Some((part, class))
+}
+
+/// The part of the body a sensor sits in, whatever it measures.
+fn place_of(channel: &Channel) -> Option<BodyPart> {
     let place = if channel.location.trim().is_empty() { &channel.id } else { &channel.location };
     let place = place.to_lowercase();
     let words: Vec<&str> = place.split(|c: char| !c.is_alphanumeric()).collect();
@@ -46,6 +69,7 @@ pub fn part_of(channel: &Channel) -> Option<BodyPart> {
         match code.main_location() {
             "HEAD" => return Some(BodyPart::Head),
             "CHST" => return Some(BodyPart::Chest),
+            "NECK" if code.fine_locations()[0] == "UP" => return Some(BodyPart::Neck),
             _ => {}
         }
     }
@@ -53,6 +77,8 @@ pub fn part_of(channel: &Channel) -> Option<BodyPart> {
         None
     } else if has("head") {
         Some(BodyPart::Head)
+    } else if has("neck") && !has("lower") {
+        Some(BodyPart::Neck)
     } else {
         (has("chest") || has("thorax")).then_some(BodyPart::Chest)
     }
@@ -212,6 +238,15 @@ pub enum PulseError {
     Several(usize),
 }
 
+/// Masses of vehicles, kg: from a light quadricycle to a lorry with its load.
+const VEHICLE_KG: std::ops::RangeInclusive<f64> = 200.0..=60_000.0;
+
+/// Whether a vehicle may have this mass, kg: what is known of cars, such as how far they rebound, may be held against
+/// it.
+pub fn is_mass_of_a_vehicle(mass_kg: f64) -> bool {
+    VEHICLE_KG.contains(&mass_kg)
+}
+
 impl TestDescription {
     /// Whether a structure makes the pulse, of which there can be a model: not the brake or the drive of a sled. A
     /// component has one where its mass is known.
@@ -269,6 +304,11 @@ mod tests {
         assert_eq!(at("driver, pelvis", Some("11PELV000000ACXP")), None);
         assert_eq!(part_of(&Channel::new("head_x", QuantityKind::Acceleration)), Some(BodyPart::Head));
         assert_eq!(part_of(&Channel::new("head_x", QuantityKind::AngularVelocity)), None);
+        let criterion = |id: &str, quantity| criterion_of(&Channel::new(id, quantity));
+        assert_eq!(criterion("head_x", QuantityKind::AngularVelocity), Some((BodyPart::Head, 60)));
+        assert_eq!(criterion("neck upper Fz", QuantityKind::Force), Some((BodyPart::Neck, 600)));
+        assert_eq!(criterion("lower neck Fz", QuantityKind::Force), None);
+        assert_eq!(criterion("neck", QuantityKind::Acceleration), None);
     }
 
     #[test]

@@ -65,10 +65,10 @@ mod zero_phase;
 
 pub use butterworth::{Butterworth, Design, Phase, run_sections};
 pub use cfc::{Cfc, CfcMode, Class, Coefficients, CorridorPoint, corridor};
-pub use channels::{Axis, Channel, ChannelStatus};
+pub use channels::{Axis, BARRIER, Channel, ChannelStatus};
 pub use description::{
-    ANOTHER_VEHICLE, BodyPart, Contact, KindOfTest, PulseError, Source, TestDescription, TestKind, is_pattern, part_of,
-    resolve_channels,
+    ANOTHER_VEHICLE, BodyPart, Contact, KindOfTest, PulseError, Source, TestDescription, TestKind, criterion_of,
+    is_mass_of_a_vehicle, is_pattern, part_of, resolve_channels,
 };
 pub use error::{FilterError, IntegrateError};
 pub use filter::{Applied, FilterSettings, Filtered, ZeroLevel, filter, filter_reporting};
@@ -86,7 +86,7 @@ pub use summation::{
 };
 pub use units::gravity::STANDARD_GRAVITY_M_PER_S2;
 pub use units::quantity::{Acceleration, Displacement, Force, Quantity, QuantityKind, Velocity};
-pub use units::uncertain::{Distribution, Spread, Uncertain};
+pub use units::uncertain::{Distribution, HALF_OF_90_PERCENT, Spread, Uncertain};
 pub use units::{key_quantities, unit, value};
 pub use zero_phase::{
     TwoPassFilter, filter_both_ways, filter_both_ways_into, phaseless_low_pass, samples_added, through_class,

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 
 use anyhow::Context;
 use clap::builder::PossibleValuesParser;
-use clap::error::ErrorKind;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, Command, CommandFactory, FromArgMatches};
 use crumple_artifact::records::{ConcernV1, ConcernsV2, DiagnosisV1, NotesV1, SeverityV1};
 use crumple_artifact::{Artifact, InputDigest, OutputKind, Provenance, WriteError};
@@ -477,6 +477,7 @@ fn parse<C: FromArgMatches>(command: Command, call: &Call) -> Result<(C, clap::A
     let is_short = call.words.iter().any(|word| word == "-h");
     let parser = if is_short { in_short(command.clone()) } else { command.clone() };
     let parser = if is_generating { parser.subcommand_required(false).arg_required_else_help(false) } else { parser };
+    let longs: Vec<String> = parser.get_arguments().filter_map(|arg| arg.get_long().map(str::to_owned)).collect();
     let matches = parser.try_get_matches_from(words).and_then(|matches| match matches.get_one::<String>(GENERATE) {
         Some(kind) => Ok(Err(generate(command, kind))),
         None => {
@@ -486,13 +487,25 @@ fn parse<C: FromArgMatches>(command: Command, call: &Call) -> Result<(C, clap::A
     });
     match matches {
         Ok(parsed) => parsed,
-        Err(error) => {
+        Err(mut error) => {
+            propose_the_whole(&mut error, &longs);
             let _ = error.print(); // A closed pipe while printing help is nobody's problem.
             Err(match error.kind() {
                 ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => ExitStatus::Done,
                 _ => ExitStatus::Usage,
             })
         }
+    }
+}
+
+/// For a flag that is one word of a longer one the longer one: `--speed` is nearer to `--impact-speed` than to
+/// `--sheet`.
+fn propose_the_whole(error: &mut clap::Error, longs: &[String]) {
+    let Some(ContextValue::String(typed)) = error.get(ContextKind::InvalidArg) else { return };
+    let word = typed.trim_start_matches('-').to_owned();
+    let whole = longs.iter().find(|long| long.split('-').any(|part| part == word));
+    if let Some(whole) = whole.filter(|_| error.kind() == ErrorKind::UnknownArgument) {
+        error.insert(ContextKind::SuggestedArg, ContextValue::String(format!("--{whole}")));
     }
 }
 

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use crumple_signal::{
-    Axis, Cfc, Channel, ChannelStatus, Class, FilterSettings, QuantityKind, TestDescription, ZeroLevel, part_of,
+    BARRIER, Cfc, Channel, ChannelStatus, Class, FilterSettings, QuantityKind, TestDescription, ZeroLevel,
+    criterion_of, part_of,
 };
 use crumple_stage::records::QualityV1;
 use crumple_stage::{Inputs, RefuseExt, Refused, Wave, flag, program};
@@ -117,7 +118,7 @@ fn for_criteria(settings: &StageSettings, channel: &Channel, pulse: Option<&Chan
         pulse.id == channel.id
             || (part_of(pulse).is_some() && !pulse.location.is_empty() && pulse.location == channel.location)
     };
-    settings.channels.is_empty() && part_of(channel).is_some() && !pulse.is_some_and(with_the_pulse)
+    settings.channels.is_empty() && criterion_of(channel).is_some() && !pulse.is_some_and(with_the_pulse)
 }
 
 /// Names the sensors of occupants that are not taken, by place, with the one thing to do.
@@ -223,35 +224,35 @@ fn select<'a>(test: &'a TestDescription, asked: &[String]) -> Result<Vec<&'a Cha
     Ok(channels)
 }
 
-/// Whether a channel is an accelerometer in a head or a chest, with data and not marked failed.
+/// Whether a criterion of an occupant takes a channel ([`criterion_of`]), with data and not marked failed.
 fn is_of_body(channel: &Channel) -> bool {
-    part_of(channel).is_some() && channel.status.has_data() && channel.status != ChannelStatus::Failed
+    criterion_of(channel).is_some() && channel.status.has_data() && channel.status != ChannelStatus::Failed
 }
 
 /// Channels with data in or on occupants that are not among the `taken`, in the order of the test: neck, pelvis, femur
 /// and the like, of which a note tells that they were measured and not filtered.
 fn occupants_left<'a>(test: &'a TestDescription, taken: &[&Channel]) -> Vec<&'a Channel> {
     let of_occupant = |channel: &Channel| {
-        let barrier = channel.location.trim().to_lowercase().starts_with("barrier");
+        let barrier = channel.location.trim().to_lowercase().starts_with(BARRIER);
         channel.status.has_data() && ((!channel.may_be_on_vehicle() && !barrier) || part_of(channel).is_some())
     };
     let left = |channel: &&Channel| of_occupant(channel) && !taken.iter().any(|other| other.id == channel.id);
     test.channels.iter().filter(left).collect()
 }
 
-/// Whether a channel is the force along x of a load cell in the barrier, with data: its location begins with
-/// `barrier`, and its axis is x or not stated. SAE J211-1 Table 1 asks for CFC 60 for barrier force.
+/// Whether a channel is a force of the barrier with data. SAE J211-1 Table 1 asks for CFC 60 for barrier force.
 fn is_barrier_force(channel: &Channel) -> bool {
-    channel.quantity == QuantityKind::Force
-        && channel.axis.is_none_or(|axis| axis == Axis::X)
-        && channel.status.has_data()
-        && channel.location.trim().to_lowercase().starts_with("barrier")
+    channel.is_wall_force() && channel.status.has_data()
 }
 
-/// The class that SAE J211-1 Table 1 asks for in a dummy's head (CFC 1000) and chest (CFC 180); `None` elsewhere. HIC
-/// and the 3 ms clip are defined on these classes.
+/// The class that the criterion of an occupant asks for; `None` where there is none.
 fn class_of_body(channel: &Channel) -> Option<Cfc> {
-    Some(if part_of(channel)?.cfc() == 180 { Cfc::Cfc180 } else { Cfc::Cfc1000 })
+    Some(match criterion_of(channel)?.1 {
+        60 => Cfc::Cfc60,
+        180 => Cfc::Cfc180,
+        600 => Cfc::Cfc600,
+        _ => Cfc::Cfc1000,
+    })
 }
 
 /// Whether a channel may be of the vehicle's structure and is not marked failed. An unknown location counts as
@@ -328,7 +329,7 @@ mod tests {
         let mut test = camry();
         test.channels[5].status = ChannelStatus::Failed;
         assert!(ids(&select(&test, &[]).unwrap()).contains(&"347"));
-        test.channels[5].axis = Some(Axis::Y);
+        test.channels[5].axis = Some(crumple_signal::Axis::Y);
         assert!(!ids(&select(&test, &[]).unwrap()).contains(&"347"));
     }
 

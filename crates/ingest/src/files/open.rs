@@ -311,15 +311,37 @@ fn main_file_of(folder: &Path) -> Result<PathBuf> {
             ),
         );
     }
-    match all.as_slice() {
-        [only] if only.is_dir() => main_file_of(only),
-        _ => refuse_path(
+    if let [only] = all.as_slice()
+        && only.is_dir()
+    {
+        return main_file_of(only);
+    }
+    let records: Vec<&PathBuf> = all.iter().filter(|path| path.is_file() && is_named_as_a_record(path)).collect();
+    match records.as_slice() {
+        [only] => Ok((*only).clone()),
+        [first, _, ..] => refuse_path(
+            folder.display(),
+            format!("a folder with {} files that are records each by its name: {}", records.len(), file_name(first)),
+            "the folder of one test, or a file",
+            format!("crumple fleet {} runs each of them; of one test give the file with its pulse", folder.display()),
+        ),
+        [] => refuse_path(
             folder.display(),
             format!("a folder without an .EV5 file or an ISO-MME test ({} other entries)", all.len()),
             "the folder of one test, or a file",
             "give the file itself, such as crash.csv",
         ),
     }
+}
+
+/// Whether a file ends as tables and containers do; its content decides when it is read.
+fn is_named_as_a_record(path: &Path) -> bool {
+    const ENDINGS: [&str; 16] = [
+        "csv", "tsv", "txt", "dat", "asc", "xlsx", "mat", "tdms", "tdm", "lvm", "uff", "unv", "h5", "hdf5", "jsonl",
+        "bag",
+    ];
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    ending.is_some_and(|ending| ENDINGS.contains(&ending.as_str()))
 }
 
 pub(crate) fn head(path: &Path, length: u64) -> Result<Vec<u8>> {

@@ -149,33 +149,33 @@ impl Variables {
                 let mut values = Vec::new();
                 let raw = Strided { raw: data, stride: kind.size(), count: data.len() / kind.size() };
                 numbers(raw, kind, self.big_endian, &mut values);
-                self.columns(group, &name, (sizes[0], sizes[1]), values);
+                columns(group, &name, (sizes[0], sizes[1]), values, &mut self.waveforms);
             }
             _ => self.unread.push(name),
         }
         Ok(())
     }
+}
 
-    /// The channels of a matrix: the shorter side counts them. Of several the first is the time if it increases.
-    fn columns(&mut self, group: &str, name: &str, (rows, columns): (usize, usize), values: Vec<f64>) {
-        let count = rows.min(columns);
-        if values.len() < 2 || count > COLUMN_LIMIT || rows.checked_mul(columns) != Some(values.len()) {
-            return;
-        }
-        for k in 0..count {
-            let channel: Vec<f64> = if columns <= rows {
-                values[k * rows..(k + 1) * rows].to_vec()
-            } else {
-                values.iter().skip(k).step_by(rows).copied().collect()
-            };
-            let is_time = count > 1 && k == 0 && channel.windows(2).all(|pair| pair[1] > pair[0]);
-            let title = match (count, is_time) {
-                (1, _) => name.to_owned(),
-                (_, true) => format!("{name}_time"),
-                _ => format!("{name}_{}", k + 1),
-            };
-            self.waveforms.push(Waveform { values: Ok(channel), ..Waveform::new(group, title) });
-        }
+/// The channels of a matrix: the shorter side counts them. Of several the first is the time if it increases.
+pub fn columns(group: &str, name: &str, (rows, columns): (usize, usize), values: Vec<f64>, into: &mut Vec<Waveform>) {
+    let count = rows.min(columns);
+    if values.len() < 2 || count > COLUMN_LIMIT || rows.checked_mul(columns) != Some(values.len()) {
+        return;
+    }
+    for k in 0..count {
+        let channel: Vec<f64> = if columns <= rows {
+            values[k * rows..(k + 1) * rows].to_vec()
+        } else {
+            values.iter().skip(k).step_by(rows).copied().collect()
+        };
+        let is_time = count > 1 && k == 0 && channel.windows(2).all(|pair| pair[1] > pair[0]);
+        let title = match (count, is_time) {
+            (1, _) => name.to_owned(),
+            (_, true) => format!("{name}_time"),
+            _ => format!("{name}_{}", k + 1),
+        };
+        into.push(Waveform { values: Ok(channel), ..Waveform::new(group, title) });
     }
 }
 

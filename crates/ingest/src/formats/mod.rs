@@ -2,8 +2,10 @@
 //! settings only.
 
 pub mod ev5;
+pub mod hdf5;
 pub mod iso13499;
 pub mod iso_mme;
+pub mod json_lines;
 pub mod lvm;
 pub mod mat;
 pub mod mcap;

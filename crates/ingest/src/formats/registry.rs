@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::error::WHAT_IS_READ;
 use crate::formats::reader::{Bundle, NamedBytes, Reader};
-use crate::formats::{ev5, iso_mme, lvm, mat, mcap, ros_bag, table, tdm, tdms, universal, workbook};
+use crate::formats::{ev5, hdf5, iso_mme, json_lines, lvm, mat, mcap, ros_bag, table, tdm, tdms, universal, workbook};
 use crate::{IngestError, Result, refuse};
 
 /// All readers, the most particular first: the first that recognises a file reads it.
@@ -15,6 +15,8 @@ pub const READERS: &[&Reader] = &[
     &tdm::TDM,
     &lvm::LVM,
     &mat::MAT,
+    &hdf5::HDF5,
+    &json_lines::JSON_LINES,
     &workbook::WORKBOOK,
     &universal::UNIVERSAL,
     &ev5::EV5,
@@ -108,12 +110,6 @@ const FORMATS: &[Foreign] = &[
         json(b) && (has(b, b"General Test Info") || has(b, b"Instrumentation Info"))
     }),
     (
-        "a MATLAB 7.3 file (HDF5)",
-        "save it in MATLAB as version 7: save('record.mat', '-struct', 'S', '-v7') with S = load('FILE')",
-        |b| b.starts_with(b"MATLAB 7.3"),
-    ),
-    ("an HDF5 file", TABLE, |b| b.starts_with(b"\x89HDF\r\n")),
-    (
         "an LS-DYNA keyword file",
         "copy the rows below *DEFINE_CURVE into a text file of two columns, time and value",
         |b| text(b).starts_with(b"*KEYWORD") || has(b, b"*DEFINE_CURVE"),
@@ -168,7 +164,7 @@ const FORMATS: &[Foreign] = &[
     ("a picture", TABLE, |b| b.starts_with(b"\x89PNG") || b.starts_with(b"\xFF\xD8\xFF") || b.starts_with(b"GIF8")),
     ("a web page", "download the data file itself", |b| html(b)),
     ("an XML document", TABLE, |b| xml(b) && !has(b, b"usi:tdm")),
-    ("JSON text", TABLE, |b| json(b)),
+    ("JSON text", TABLE, |b| json(b) && !json_lines::recognises(&b[..b.len().min(8192)])),
     ("a RIFF file (sound or video)", TABLE, |b| b.starts_with(b"RIFF")),
     ("an executable program", "give the record itself", |b| b.starts_with(b"\x7FELF") || b.starts_with(b"MZ\x90\0")),
 ];

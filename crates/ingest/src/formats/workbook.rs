@@ -17,6 +17,7 @@ use crate::formats::text::stamps::stamp;
 use crate::formats::waveform::channel::clean;
 use crate::recording::content::{LineNumbers, MINIMUM_SAMPLES, ReadChannel, Recording, list};
 use crate::recording::details::Details;
+use crate::recording::preamble;
 use crate::{IngestError, IngestSettings, Place, Result, refuse_size};
 
 /// Workbooks.
@@ -43,6 +44,8 @@ struct Sheet {
     formulas: BTreeMap<u32, usize>,
 }
 
+/// Rows at the top of a sheet that may state mass and speed.
+const MOST_STATEMENTS: usize = 200;
 const SAVE_VALUES: &str = "open the workbook in a spreadsheet program and save it: that stores the values of formulas";
 
 fn refuse(file: &str, found: impl std::fmt::Display, hint: &str) -> IngestError {
@@ -55,9 +58,16 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
     let mut workbook: Xlsx<_> = Xlsx::new(Cursor::new(bytes)).map_err(damaged)?;
     let names = workbook.sheet_names();
     let is_meant = |name: &String| settings.sheet.as_ref().is_none_or(|sheet| sheet.eq_ignore_ascii_case(name.trim()));
-    let (mut tables, mut unread) = (Vec::new(), Vec::new());
-    for name in names.iter().filter(|name| is_meant(name)) {
-        let sheet = cells_of(file, &mut workbook, name)?;
+    let (mut tables, mut unread, mut statements) = (Vec::new(), Vec::new(), Vec::new());
+    for name in &names {
+        let sheet = match cells_of(file, &mut workbook, name) {
+            Err(_) if !is_meant(name) => continue,
+            sheet => sheet?,
+        };
+        statements.extend(rows_of_words(name, &sheet.cells));
+        if !is_meant(name) {
+            continue;
+        }
         unread.extend(without_values(&sheet));
         let first = first_row(&sheet.cells, settings);
         if let Some(first) = first.filter(|first| sheet.cells.range(first..).count() >= MINIMUM_SAMPLES) {
@@ -66,7 +76,11 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
     }
     let several: Vec<String> = tables.iter().map(|(name, ..)| format!("{name:?}")).collect();
     match tables.as_slice() {
-        [(_, sheet, first)] => table(file, sheet, *first, settings),
+        [(_, sheet, first)] => {
+            let mut recording = table(file, sheet, *first, settings)?;
+            preamble::take(statements.into_iter(), &mut recording.details, &mut recording.notes);
+            Ok(recording)
+        }
         [] if !unread.is_empty() => {
             let found = format!("no sheet has {MINIMUM_SAMPLES} rows of numbers: {}", reasons(&unread).join(", "));
             Err(refuse(file, found, SAVE_VALUES))
@@ -81,6 +95,14 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
             &format!("add --sheet {}, for example", several[0]),
         )),
     }
+}
+
+/// The first rows of a sheet that begin with words, each with where it stands.
+fn rows_of_words(name: &str, sheet: &Grid) -> Vec<(String, Vec<String>)> {
+    let begins_with_words = |cells: &&BTreeMap<u32, Data>| matches!(cells.values().next(), Some(Data::String(_)));
+    let rows = sheet.iter().take(MOST_STATEMENTS).filter(|(_, cells)| begins_with_words(cells));
+    let texts = |cells: &BTreeMap<u32, Data>| cells.values().take(4).map(Data::to_string).collect();
+    rows.map(|(row, cells)| (format!("row {} of sheet {name}", row + 1), texts(cells))).collect()
 }
 
 /// The cells of a sheet one by one: what a sheet states of its size reserves nothing.

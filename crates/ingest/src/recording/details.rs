@@ -3,7 +3,7 @@
 use crumple_artifact::records::{DamageV1, VehicleV1};
 use crumple_signal::unit::{Dimension, parse_value};
 use crumple_signal::value::{Mass, Speed, Time};
-use crumple_signal::{ANOTHER_VEHICLE, About, Notes, QuantityKind, TestKind, Weight};
+use crumple_signal::{ANOTHER_VEHICLE, About, Notes, QuantityKind, TestKind, Weight, is_mass_of_a_vehicle};
 
 use crate::recording::stated_contact::TimeZero;
 use crate::{IngestError, IngestSettings, Place, Result, refuse};
@@ -247,26 +247,31 @@ pub fn note_missing(details: &Details, has_comments: bool, from_rest: bool, note
     }
 }
 
-/// Masses of vehicles, kg: from a light quadricycle to a lorry with its load.
-const VEHICLE_KG: std::ops::RangeInclusive<f64> = 200.0..=60_000.0;
 /// Masses of cars and vans, kg, of which one may have been meant.
 const CAR_KG: std::ops::RangeInclusive<f64> = 500.0..=5_000.0;
 
-/// Questions a mass that no vehicle has, and says which unit would make it that of a car.
-pub fn question_mass(details: &Details) -> Option<String> {
-    let Stated { value, from } = details.mass_kg.as_ref()?;
-    if VEHICLE_KG.contains(value) {
-        return None;
+/// Questions a mass that no vehicle has and that a file states, and says which unit would make it that of a car. One that
+/// a person typed, with its unit, is taken, with a note.
+pub fn question_mass(details: &Details, is_typed: bool, notes: &mut Notes) {
+    let Some(Stated { value, from }) = details.mass_kg.as_ref().filter(|mass| !is_mass_of_a_vehicle(mass.value)) else {
+        return;
+    };
+    if is_typed {
+        notes.info(format!(
+            "the mass of {value} kg is none of a vehicle and taken as typed. In a vertical fall its weight acts as \
+             well; models and crush leave the weight out"
+        ));
+        return;
     }
     let units = [("t", 1e3), ("kg or g", 1e-3)];
     let meant = units.into_iter().find(|(_, factor)| CAR_KG.contains(&(value * factor)));
     let meant =
         meant.map_or_else(String::new, |(unit, factor)| format!(" ({:.0} kg if {unit} is meant)", value * factor));
-    Some(format!(
+    let text = format!(
         "the mass is {value} kg by {from}, which no vehicle has{meant}: force, energy, stiffness and damping grow with \
-         it; \
-         --mass 1500kg states another"
-    ))
+         it; --mass states another"
+    );
+    notes.concern_first(About::Mass, text);
 }
 
 /// Whether nothing but the vehicle gives way, so that its speed can be held against its pulse.
@@ -344,14 +349,29 @@ mod tests {
 
     #[test]
     fn a_mass_that_no_vehicle_has_is_questioned() {
-        let question = |mass: &str| question_mass(&facts(&[mass]).unwrap().details);
-        assert!(question("mass: 1.5 kg").unwrap().contains("(1500 kg if t is meant)"));
-        assert!(question("mass: 1500000 kg").unwrap().contains("(1500 kg if kg or g is meant)"));
-        assert!(question("mass: 1500 t").unwrap().contains("(1500 kg if kg or g is meant)"));
-        assert!(question("mass: 100000 kg").unwrap().contains("which no vehicle has"));
+        let question = |mass: &str| {
+            let mut notes = Notes::new();
+            question_mass(&facts(&[mass]).unwrap().details, false, &mut notes);
+            notes.to_texts().concat()
+        };
+        assert!(question("mass: 1.5 kg").contains("(1500 kg if t is meant)"));
+        assert!(question("mass: 1500000 kg").contains("(1500 kg if kg or g is meant)"));
+        assert!(question("mass: 1500 t").contains("(1500 kg if kg or g is meant)"));
+        assert!(question("mass: 100000 kg").contains("which no vehicle has"));
         for mass in ["mass: 873 kg", "mass: 250 kg", "mass: 40 t"] {
-            assert_eq!(question(mass), None);
+            assert_eq!(question(mass), "");
         }
+    }
+
+    #[test]
+    fn a_mass_that_was_typed_is_no_doubt() {
+        let mut details = facts(&["mass: 873 kg"]).unwrap().details;
+        let settings = IngestSettings { mass: Some("4.8kg".parse().unwrap()), ..IngestSettings::default() };
+        apply(&mut details, &settings, "flag", &mut Notes::new());
+        let mut notes = Notes::new();
+        question_mass(&details, true, &mut notes);
+        assert!(notes.to_texts().concat().contains("leave the weight out"));
+        assert!(notes.iter().all(|note| note.bearing.is_none()), "it bears on nothing");
     }
 
     #[test]

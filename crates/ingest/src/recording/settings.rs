@@ -6,6 +6,7 @@ use crumple_signal::{Channel, Notes, TestKind, Uncertain, resolve_channels};
 use serde::{Deserialize, Serialize};
 
 use crate::recording::content::ReadChannel;
+use crate::recording::scale::Scales;
 use crate::recording::stated_contact::{ContactRule, TimeZero};
 
 pub use crumple_signal::is_pattern;
@@ -76,6 +77,14 @@ pub struct IngestSettings {
     /// Unit of acceleration columns that state none: g, m/s^2, mg, kilo-g, ft/s^2, mm/s^2, mm/ms^2.
     #[arg(long, value_name = "UNIT")]
     pub unit: Option<String>,
+    /// Sensitivity of channels in volts or counts: CHANNEL=50mV/g, ax=16384/g, several by commas; the reading at zero
+    /// behind @: ch2=50mV/g@2.5V.
+    #[arg(long, value_name = "CHANNEL=SENSITIVITY")]
+    pub scale: Option<Scales>,
+    /// Force of the wall (barrier): a channel, or a pattern that means its load cells. Default: forces whose names say
+    /// wall, barrier or load cell.
+    #[arg(long, value_name = "CHANNEL")]
+    pub wall: Option<String>,
     /// Unit of the time column, or of the steps of TDMS, TDM and LVM channels: s, ms, us, ns, min, h, d. Default: from
     /// the header; else s for steps below 0.02, with a note; else the unit in which the pulse fits the impact speed.
     #[arg(long, value_name = "UNIT")]
@@ -170,7 +179,7 @@ macro_rules! layers {
 
 impl IngestSettings {
     layers! {
-        mass impact_speed kind channel unit time_unit
+        mass impact_speed kind channel unit scale wall time_unit
         time_zero time_zero_rule time_zero_uncertainty impact sign sample_time
         profile skip_to sheet place field resample
         vehicle_number vehicle title barrier allow_missing

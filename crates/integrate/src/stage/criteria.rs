@@ -8,12 +8,12 @@ use crumple_metrics::definitions::{
     MOMENTUM_RATIO, WALL_INITIAL_STIFFNESS,
 };
 use crumple_metrics::{
-    CrushStiffness, DamageProfile, KW400_TO_M, Metric, RecordedImpact, impacts_of_table, maximum_delta_v,
-    wall_stiffness,
+    CrushStiffness, DamageProfile, KW400_TO_M, Metric, RecordedImpact, cumulative, impacts_of_table, maximum_delta_v,
+    total_and_direction, wall_stiffness,
 };
 use crumple_signal::{
-    About, Axis, BodyPart, Channel, ChannelStatus, Motion, Notes, QuantityKind, Sampled, TestDescription, Weight,
-    part_of,
+    About, Axis, BARRIER, BodyPart, Channel, ChannelStatus, Motion, Notes, QuantityKind, Sampled, TestDescription,
+    Weight, part_of,
 };
 use crumple_stage::records::{ChannelFilterV1, DamageV1, ImpactV1, ImpactsV1, MetricV1};
 use crumple_stage::{Inputs, Output, RefuseExt, option};
@@ -22,8 +22,6 @@ use crate::stage::occupants_and_roadside::Criteria;
 use crate::stage::options::{BarrierCells, Damage};
 use crate::stage::records::{impact_records, metric_record};
 
-/// Channel name of what is about the barrier as a whole.
-const BARRIER: &str = "barrier";
 /// Gap of impulse and change of momentum above which something does not fit.
 const MOMENTUM_GAP: f64 = 0.05;
 /// Names in a note.
@@ -45,7 +43,7 @@ pub fn barrier(
     pulse: &Pulse<'_>,
     out: &mut Output,
 ) -> anyhow::Result<Vec<MetricV1>> {
-    let listed: Vec<&Channel> = test.channels.iter().filter(|channel| is_cell(channel)).collect();
+    let listed: Vec<&Channel> = test.channels.iter().filter(|channel| channel.is_wall_force()).collect();
     let valid = |channel: &&&Channel| matches!(channel.status, ChannelStatus::Valid | ChannelStatus::Computed);
     let summed: Vec<(&str, &Sampled)> = match cells {
         BarrierCells::None => return Ok(Vec::new()),
@@ -87,12 +85,6 @@ pub fn barrier(
 /// What to do where the cells of a barrier give no force.
 fn without_the_barrier() -> String {
     format!("{} leaves the barrier out", option("integrate", "barrier-cells", "none"))
-}
-
-fn is_cell(channel: &Channel) -> bool {
-    channel.quantity == QuantityKind::Force
-        && channel.axis.is_none_or(|axis| axis == Axis::X)
-        && channel.location.trim().to_lowercase().starts_with(BARRIER)
 }
 
 fn waves<'a>(input: &'a Inputs, channels: impl Iterator<Item = &'a &'a Channel>) -> Vec<(&'a str, &'a Sampled)> {
@@ -312,6 +304,37 @@ impl Criteria<'_> {
         let at_impact = |metric: Metric| metric.over(0.0, 0.0);
         metrics.map(|metric| self.record(&[self.pulse], at_impact(metric), &[remark.to_owned()])).collect()
     }
+}
+
+/// Total and direction of the change of velocity of a pulse along x, where an accelerometer at its place measures along
+/// y as well.
+pub fn in_the_plane(
+    input: &Inputs,
+    test: &TestDescription,
+    channel: &Channel,
+    pulse: &Pulse<'_>,
+) -> anyhow::Result<Vec<MetricV1>> {
+    let is_across = |other: &&Channel| {
+        other.axis == Some(Axis::Y)
+            && other.quantity == QuantityKind::Acceleration
+            && other.status == ChannelStatus::Valid
+            && other.may_be_on_vehicle()
+            && part_of(other).is_none()
+            && other.location == channel.location
+    };
+    let across = test.channels.iter().filter(is_across).find_map(|c| Some((c, &input.wave_if(&c.id)?.sampled)));
+    let Some((across, wave)) = across.filter(|_| channel.axis.is_none_or(|axis| axis == Axis::X)) else {
+        return Ok(Vec::new());
+    };
+    let change = Sampled::new(wave.t0_s(), wave.dt_s(), cumulative(wave.samples(), wave.dt_s()));
+    let change = change.refuse_with_hint(format!("{} leaves it out", option("filter", "channels", &channel.id)))?;
+    let velocity = &pulse.motion.velocity;
+    let at_contact = velocity.at(0.0).unwrap_or(0.0);
+    let along = velocity.samples().iter().map(|v| v - at_contact).collect();
+    let along = Sampled::new(velocity.t0_s(), velocity.dt_s(), along)?;
+    let until_s = pulse.separation_s.unwrap_or(along.end_s());
+    let metrics = total_and_direction(&along, &change, until_s, None);
+    Ok(metrics.iter().map(|metric| metric_record(&[pulse.id, &across.id], metric)).collect())
 }
 
 /// Maximum delta-V and the time to it, of every change of velocity in the inputs, under the ids of their channels,

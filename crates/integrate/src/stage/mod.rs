@@ -13,7 +13,7 @@ mod without_impact;
 use std::path::PathBuf;
 
 use crumple_metrics::{Measured, first_event};
-use crumple_signal::{Channel, TestDescription};
+use crumple_signal::{Channel, TestDescription, is_mass_of_a_vehicle};
 use crumple_stage::records::MetricsV2;
 use crumple_stage::{Inputs, LeftOut, Loaded, Outcome, Output, RefuseExt, Refused, Stage, flag, option};
 
@@ -87,8 +87,9 @@ impl Stage for Integrate {
         let vehicles = vehicles(input)?;
         // A partner that gives way leaves speed: the collision is assessed below.
         let is_as_read = settings.impact_speed_m_per_s.is_none() && settings.channel.is_none();
-        let speed_rule = match vehicles.is_empty() {
-            false => SpeedRule::Partner,
+        let is_a_vehicle = test.mass_kg.is_none_or(is_mass_of_a_vehicle);
+        let speed_rule = match vehicles.is_empty() && is_a_vehicle {
+            false => SpeedRule::None,
             true if test.exchange_asked && is_as_read => SpeedRule::AskedBefore,
             true => SpeedRule::New,
         };
@@ -125,6 +126,7 @@ impl Stage for Integrate {
             separation_s: pulse.events.rebound.map(|rebound| rebound.time_s),
         };
         metrics.extend(criteria::barrier(settings.barrier_cells, input, &test, &against, out)?);
+        metrics.extend(criteria::in_the_plane(input, &own_test, &channel, &against)?);
         let criteria = Criteria {
             settings,
             input,

@@ -1,12 +1,14 @@
 //! Criteria of occupants and of roadside hardware, from the channels a test has for them.
 
+use std::collections::BTreeSet;
+
 use crumple_metrics::{
-    AsiLimits, AsiMethod, CLIP_3MS_S, FlailSpace, HIC15_WINDOW_S, HIC36_WINDOW_S, Metric, asi, clip_contiguous,
-    clip_cumulative, definitions, hic, hic_d, oiv_ora, resultant, ride_down, thiv_phd,
+    AsiLimits, AsiMethod, CLIP_3MS_S, Dummy, FlailSpace, HIC15_WINDOW_S, HIC36_WINDOW_S, Metric, Neck, asi, bric,
+    clip_contiguous, clip_cumulative, definitions, hic, hic_d, nij, oiv_ora, resultant, ride_down, thiv_phd,
 };
 use crumple_signal::{
     About, Acceleration, Axis, BodyPart, Channel, ChannelStatus, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2,
-    Signal, TestDescription, Weight, part_of,
+    Signal, TestDescription, Weight, criterion_of, part_of,
 };
 use crumple_stage::records::MetricV1;
 use crumple_stage::{Inputs, Output, RefuseExt, option};
@@ -63,6 +65,9 @@ impl Criteria<'_> {
                     bounds.join("; ")
                 ),
             );
+        }
+        if self.takes(MetricGroup::Head) {
+            records.extend(self.rotation_and_neck());
         }
         if self.takes(MetricGroup::RideDown) {
             records.extend(self.ride_down(&sites, notes)?);
@@ -175,7 +180,7 @@ impl Criteria<'_> {
         let mut metrics = match part {
             BodyPart::Head => vec![hic(&resultant, HIC15_WINDOW_S), hic(&resultant, HIC36_WINDOW_S)],
             BodyPart::Headform => vec![hic(&resultant, HIC36_WINDOW_S), hic_d(&resultant)],
-            BodyPart::Chest => Vec::new(),
+            BodyPart::Chest | BodyPart::Neck => Vec::new(),
         };
         metrics.extend([clip_contiguous(&resultant, CLIP_3MS_S), clip_cumulative(&resultant, CLIP_3MS_S)]);
         lines.push(line(&place, &metrics, partial));
@@ -184,6 +189,51 @@ impl Criteria<'_> {
             None => metric,
         };
         Ok(metrics.into_iter().map(|metric| self.record(channels, bounded(metric), &remarks)).collect())
+    }
+
+    /// BrIC of every head whose angular velocity is here, Nij of every upper neck with its two forces and the moment;
+    /// of one location each.
+    fn rotation_and_neck(&self) -> Vec<MetricV1> {
+        let of_part = |part: BodyPart| {
+            let channels = self.test.channels.iter().filter(move |channel| {
+                criterion_of(channel).is_some_and(|(of, _)| of == part) && channel.status != ChannelStatus::Failed
+            });
+            channels.filter_map(|channel| Some((channel, &self.input.wave_if(&channel.id)?.sampled)))
+        };
+        let on = |location: &str, part, quantity, axis: Axis| {
+            of_part(part).find(|(channel, _)| {
+                channel.location == location && channel.quantity == quantity && channel.axis == Some(axis)
+            })
+        };
+        let mut records = Vec::new();
+        let heads: BTreeSet<&str> = of_part(BodyPart::Head)
+            .filter(|(channel, _)| channel.quantity == QuantityKind::AngularVelocity)
+            .map(|(channel, _)| channel.location.as_str())
+            .collect();
+        for head in heads {
+            let rates =
+                [Axis::X, Axis::Y, Axis::Z].map(|axis| on(head, BodyPart::Head, QuantityKind::AngularVelocity, axis));
+            let channels: Vec<&Channel> = rates.iter().flatten().map(|(channel, _)| *channel).collect();
+            records.push(self.record(&channels, bric(rates.map(|rate| rate.map(|(_, wave)| wave))), &[]));
+        }
+        let necks: BTreeSet<&str> = of_part(BodyPart::Neck).map(|(channel, _)| channel.location.as_str()).collect();
+        for neck in necks {
+            let force = |axis| on(neck, BodyPart::Neck, QuantityKind::Force, axis);
+            let moment = on(neck, BodyPart::Neck, QuantityKind::Moment, Axis::Y);
+            let (Some((z, axial_n)), Some((x, shear_n)), Some((y, moment_n_m))) =
+                (force(Axis::Z), force(Axis::X), moment)
+            else {
+                continue;
+            };
+            // The code of a dummy ends its location in words.
+            let is_small = z.code.as_deref().and_then(|code| code.get(10..12)) == Some("HF");
+            let dummy = if is_small { Dummy::Female5 } else { Dummy::Male50 };
+            let metric = nij(Neck { axial_n, shear_n, moment_n_m }, dummy);
+            let known = z.code.is_some();
+            let remark = (!known).then(|| "no code says which dummy: that of a 50 % male is supposed".to_owned());
+            records.push(self.record(&[z, x, y], metric, &Vec::from_iter(remark)));
+        }
+        records
     }
 
     /// Ride-down of every chest along x against the pulse, both from time zero.

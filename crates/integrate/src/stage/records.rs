@@ -125,7 +125,7 @@ pub fn note_findings(pulse: &Integrated, impact_speed_m_per_s: f64, speed_rule: 
         return;
     }
     let question =
-        question_speed(&pulse.motion, &pulse.events, impact_speed_m_per_s).filter(|_| speed_rule != SpeedRule::Partner);
+        question_speed(&pulse.motion, &pulse.events, impact_speed_m_per_s).filter(|_| speed_rule != SpeedRule::None);
     let is_asked = question.is_some() && speed_rule == SpeedRule::AskedBefore;
     // What follows from the exchange is no finding of its own.
     for note in of_pulse.iter().filter(|note| !(is_asked && is_decisive(note))) {
@@ -139,8 +139,8 @@ pub fn note_findings(pulse: &Integrated, impact_speed_m_per_s: f64, speed_rule: 
 /// Whether a speed can be held against a pulse.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SpeedRule {
-    /// No: a partner gives way, too.
-    Partner,
+    /// No: a partner gives way, too, or no vehicle has this mass.
+    None,
     /// Yes, and the stage that read the record has asked for an exchange of one of both.
     AskedBefore,
     /// Yes, and nobody has asked yet.

@@ -109,6 +109,12 @@ catalogue! {
         "time of the sample of maximum_delta_v, the first of equals" "49 CFR 563.5";
     MAXIMUM_LATERAL_DELTA_V = "edr-maximum-delta-v-lateral" "maximum_lateral_delta_v" "m/s" FromMemory
         "as maximum_delta_v, along y" "49 CFR 563.5";
+    TOTAL_DELTA_V = "delta-v-total" "total_delta_v" "m/s" FromMemory
+        "largest sqrt(x^2 + y^2) of the changes of velocity along x and y at one time, from time zero to separation, \
+         300 ms at most" "49 CFR 563.5";
+    DIRECTION_OF_FORCE = "principal-direction-of-force" "principal_direction_of_force" "deg" Checked
+        "angle at which the force came, from straight ahead (180: from behind), by the changes of velocity along x and \
+         y at total_delta_v" "SAE J224";
     RECORDED_EES = "edr-ees" "recorded_ees" "m/s" Checked
         "sqrt(v0^2 - v^2), v what is left along x and gained along y at maximum_delta_v; without v0 the middle of what \
          restitutions from 0 to the largest believed make of the change" "definition";
@@ -224,6 +230,13 @@ catalogue! {
         "head injury criterion with the stated longest window" "as HIC15 and HIC36";
     HICD = "hicd-fmvss201" "hic_d" "1" Checked
         "HIC(d) = 0.75446*HIC36 + 166.4 of a free-motion headform" "FMVSS 201";
+    BRIC = "bric-2013" "bric" "1" FromMemory
+        "brain injury criterion: root of the sum of squares of the head's largest angular velocities about x, y and z \
+         over 66.25, 56.45 and 42.87 rad/s, behind CFC 60" "Takhounts et al. (2013)";
+    NIJ = "nij-fmvss208" "nij" "1" FromMemory
+        "largest Fz/Fzc + My/Myc of the upper neck at one time, My at the occipital condyles (17.78 mm of shear taken \
+         off), behind CFC 600; 6806 and 6160 N, 310 and 135 N m of a 50 % male, 4287 and 3880 N, 155 and 67 N m of a \
+         5 % female in position" "FMVSS 208 S6.6";
     CLIP_CONTIGUOUS = "clip3-saej1727" "clip_3ms_contiguous" "m/s^2" Checked
         "highest level that one peak exceeds for 3 ms without a break" "SAE J1727";
     CLIP_CUMULATIVE = "clip3-cumulative" "clip_3ms_cumulative" "m/s^2" FromMemory

@@ -70,6 +70,14 @@ pub const MAXIMUM_LATERAL_DELTA_V: KeyQuantity = quantity(
     (KM_PER_H_PER_M_PER_S, 1, "km/h"),
 )
 .called("Maximum lateral Δv as recorded", "lateral delta-v");
+/// The largest change of velocity along x and y together.
+pub const TOTAL_DELTA_V: KeyQuantity =
+    quantity(["total_delta_v", "total change of velocity", "total Δv"], (KM_PER_H_PER_M_PER_S, 1, "km/h"))
+        .called("Total Δv", "total delta-v");
+/// The angle from straight ahead at which the force came.
+pub const DIRECTION_OF_FORCE: KeyQuantity =
+    quantity(["principal_direction_of_force", "principal direction of force", "PDOF"], (1.0, 0, "°"))
+        .called("Direction of force, from ahead", "direction");
 /// The speed whose kinetic energy went into deformation, by what a recorder kept.
 pub const RECORDED_EES: KeyQuantity =
     quantity(["recorded_ees", "energy-equivalent speed", "EES"], (KM_PER_H_PER_M_PER_S, 1, "km/h"))
@@ -106,13 +114,15 @@ pub const STIFFNESS: KeyQuantity = quantity(["stiffness", "Kelvin stiffness", "k
 pub const UNKNOWN: KeyQuantity = quantity(["", "", ""], (1.0, 1, ""));
 
 /// Those that a report has among its key numbers.
-const OF_REPORTS: [KeyQuantity; 15] = [
+const OF_REPORTS: [KeyQuantity; 17] = [
     CRUSH,
     TIME_OF_CRUSH,
     DELTA_V,
     MAXIMUM_DELTA_V,
     TIME_OF_MAXIMUM_DELTA_V,
     MAXIMUM_LATERAL_DELTA_V,
+    TOTAL_DELTA_V,
+    DIRECTION_OF_FORCE,
     RECORDED_EES,
     RECORDED_CRUSH,
     PEAK,

@@ -323,6 +323,14 @@ pub enum UnitError {
         /// All known units.
         choices: String,
     },
+    /// A comma that may part thousands.
+    #[error(
+        "{text:?} has three digits behind its comma, thousands or decimals: write it with a point, or without comma"
+    )]
+    Comma {
+        /// What was typed.
+        text: String,
+    },
     /// No number in front.
     #[error("{text:?} does not start with a finite number")]
     Number {
@@ -339,6 +347,7 @@ pub fn parse_value(text: &str, dimension: Dimension) -> Result<f64, UnitError> {
     // The number ends before the first letter that is not part of an exponent.
     let mut end = 0;
     let bytes = trimmed.as_bytes();
+    let digits_after = |from: usize| bytes.iter().skip(from).take_while(|c| c.is_ascii_digit()).count();
     while end < bytes.len() {
         let c = bytes[end];
         let exponent = matches!(c, b'e' | b'E')
@@ -346,15 +355,26 @@ pub fn parse_value(text: &str, dimension: Dimension) -> Result<f64, UnitError> {
             && bytes.get(end + 1).is_some_and(|n| {
                 n.is_ascii_digit() || (matches!(n, b'+' | b'-') && bytes.get(end + 2).is_some_and(u8::is_ascii_digit))
             });
+        // `57,1 km/h`; three digits behind it may be thousands.
+        let decimal_comma = c == b',' && !trimmed[..end].contains([',', '.']) && digits_after(end + 1) > 0;
         let sign_in_exponent = matches!(c, b'+' | b'-') && end > 0 && matches!(bytes[end - 1], b'e' | b'E');
-        if c.is_ascii_digit() || c == b'.' || exponent || sign_in_exponent || (matches!(c, b'+' | b'-') && end == 0) {
+        if c.is_ascii_digit()
+            || c == b'.'
+            || decimal_comma
+            || exponent
+            || sign_in_exponent
+            || (matches!(c, b'+' | b'-') && end == 0)
+        {
             end += 1;
         } else {
             break;
         }
     }
     let (number, unit) = (&trimmed[..end], trimmed[end..].trim());
-    let number: f64 = match number.parse::<f64>() {
+    if number.find(',').is_some_and(|comma| digits_after(comma + 1) == 3) {
+        return Err(UnitError::Comma { text: text.to_owned() });
+    }
+    let number: f64 = match number.replace(',', ".").parse::<f64>() {
         Ok(x) if x.is_finite() => x,
         _ => return Err(UnitError::Number { text: text.to_owned() }),
     };
@@ -390,6 +410,9 @@ mod tests {
         assert_eq!(parse_value("36km/h", SPEED), Ok(10.0));
         assert_eq!(parse_value("-20 ms", Time), Ok(-0.02));
         assert_eq!(parse_value("30 mph", SPEED), Ok(13.4112));
+        assert_eq!(parse_value("37,8km/h", SPEED), parse_value("37.8km/h", SPEED));
+        assert!(matches!(parse_value("1,719 kg", Mass), Err(UnitError::Comma { .. })));
+        assert!(parse_value("1,2,3 kg", Mass).is_err() && parse_value("5, kg", Mass).is_err());
     }
 
     #[test]

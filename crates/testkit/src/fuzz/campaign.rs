@@ -45,7 +45,8 @@ impl Corpus {
             ["1-ingest", "2-filter", "3-integrate", "4-identify", "5-parameter-solve", "6-simulate", "7-predict"];
         let run: Vec<PathBuf> = stages.iter().map(|stage| golden.join(format!("{stage}.mcap"))).collect();
         records.push(run[0].clone());
-        records.extend(shared("reference/hostile").into_iter().flat_map(|folder| {
+        let folders = [Some(workspace().join("fuzz/corpus/record")), shared("reference/hostile")];
+        records.extend(folders.into_iter().flatten().into_iter().flat_map(|folder| {
             let files = fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
             let mut files: Vec<PathBuf> =
                 files.filter(|file| file.metadata().is_ok_and(|m| m.len() < 100_000)).map(|file| file.path()).collect();

@@ -7,6 +7,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
+mod expected;
 mod identification;
 mod metrics;
 mod papers;

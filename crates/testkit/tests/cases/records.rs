@@ -6,11 +6,12 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crumple_signal::STANDARD_GRAVITY_M_PER_S2 as G;
 use crumple_testkit::programs::binary;
 use serde_json::{Map, Value};
 
 use crate::Check;
+use crate::expected::{numbers, remarks, said};
+use crate::reviews;
 
 /// Advice followed one after the other.
 const STEPS: usize = 3;
@@ -40,10 +41,15 @@ struct Case<'a> {
 }
 
 /// What a command came to.
-struct Answer {
-    code: i64,
-    said: String,
-    summary: Value,
+#[derive(Default)]
+pub struct Answer {
+    pub code: i64,
+    pub said: String,
+    pub summary: Value,
+    /// What `identify` wrote, a topic and its data each.
+    pub records: Vec<(String, Value)>,
+    /// Tables that `export` wrote.
+    pub tables: Vec<String>,
 }
 
 impl Case<'_> {
@@ -51,6 +57,12 @@ impl Case<'_> {
         let arguments: Vec<String> = texts(&self.case["args"]);
         let program = self.case["program"].as_str().unwrap();
         let mut faults = Vec::new();
+        let ways = self.with_flags(expected, program, &arguments);
+        if !ways.is_empty() {
+            let all: Vec<Vec<String>> =
+                ways.iter().map(|way| self.faults(expected, &self.run(program, way), false)).collect();
+            return if all.iter().any(Vec::is_empty) { Vec::new() } else { all.concat() };
+        }
         let mut answer = self.run(program, &arguments);
         if expected["hint_works"] == true {
             match self.follow(program) {
@@ -64,7 +76,43 @@ impl Case<'_> {
                 self.run(program, &[arguments, then.iter().map(|v| v.as_str().unwrap().to_owned()).collect()].concat());
             answer = Answer { said: answer.said + &then.said, ..then };
         }
-        let followed = expected["hint_works"] == true;
+        faults.extend(self.faults(expected, &answer, expected["hint_works"] == true));
+        faults
+    }
+
+    /// The arguments with what the help of a stage, or what the warnings of the run, offer beside them.
+    fn with_flags(&self, expected: &Value, program: &str, arguments: &[String]) -> Vec<Vec<String>> {
+        if let Some(flag) = expected["help_flag"].as_object() {
+            let stage = flag["stage"].as_str().unwrap();
+            let help = Command::new(binary("crumple")).args([stage, "--help"]).output().unwrap();
+            let help = String::from_utf8_lossy(&help.stdout).into_owned();
+            let is_meant = regex::Regex::new(flag["says"].as_str().unwrap()).unwrap();
+            let flags = help.split("\n  ").filter(|part| part.trim_start().starts_with('-') && is_meant.is_match(part));
+            let names = flags.filter_map(|part| part.split_whitespace().find(|word| word.starts_with("--")));
+            let values = texts(&flag["values"]);
+            let pair = |name: &str, value: &String| match value.as_str() {
+                "" => vec![name.to_owned()],
+                value => vec![name.to_owned(), value.to_owned()],
+            };
+            return names
+                .flat_map(|name| values.iter().map(move |value| [arguments, &pair(name, value)].concat()))
+                .collect();
+        }
+        if expected["warning_works"] != true {
+            return Vec::new();
+        }
+        let answer = self.run(program, arguments);
+        let warnings = answer.said.clone() + &remarks(&answer.summary);
+        let words: Vec<&str> = warnings.split_whitespace().collect();
+        let is_flag = |word: &str| word.starts_with("--") && word != "--sign";
+        let trim = |word: &str| word.trim_matches(|c: char| "\"',;:).(".contains(c)).to_owned();
+        let flags = words.windows(2).filter(|pair| is_flag(pair[0]));
+        flags.map(|pair| [arguments, &[trim(pair[0]), trim(pair[1])]].concat()).collect()
+    }
+
+    /// What of an answer is not as expected.
+    fn faults(&self, expected: &Value, answer: &Answer, followed: bool) -> Vec<String> {
+        let mut faults = Vec::new();
         let codes: Vec<i64> =
             expected["exit"].as_array().unwrap_or(&Vec::new()).iter().filter_map(Value::as_i64).collect();
         let is_right = codes.is_empty() || codes.contains(&answer.code) || (followed && answer.code == 0);
@@ -72,7 +120,7 @@ impl Case<'_> {
             faults.push(format!("exit {}: {}", answer.code, answer.said));
         }
         faults.extend(said(expected, &(answer.said.clone() + &remarks(&answer.summary))));
-        faults.extend(numbers(expected, &answer));
+        faults.extend(numbers(expected, answer));
         faults
     }
 
@@ -129,6 +177,7 @@ impl Case<'_> {
                 code: output.status.code().map_or(-1, i64::from),
                 said: String::from_utf8_lossy(&text).replace(&*out.path().to_string_lossy(), ""),
                 summary: summary.unwrap_or_default(),
+                ..Answer::default()
             }
         };
         match program {
@@ -143,14 +192,31 @@ impl Case<'_> {
                 if read.code != 0 {
                     return read;
                 }
-                answer(crumple(&["identify"], &path("1.mcap")).args(arguments).arg("-o").arg(path("4.mcap")))
+                let identified =
+                    answer(crumple(&["identify"], &path("1.mcap")).args(arguments).arg("-o").arg(path("4.mcap")));
+                let shown = answer(&mut crumple(&["show", "--json"], &path("4.mcap")));
+                let line = |line: &str| {
+                    let record: Value = serde_json::from_str(line).ok()?;
+                    Some((record["topic"].as_str()?.to_owned(), record["data"].clone()))
+                };
+                Answer { records: shown.said.lines().filter_map(line).collect(), ..identified }
             }
+            "export" => {
+                let made = answer(crumple(&["run"], Path::new(name)).args(arguments).arg("-o").arg(path("run")));
+                if !matches!(made.code, 0 | 4) {
+                    return made;
+                }
+                let exported = answer(crumple(&["export", "--to", "csv"], &path("run")).arg("-o").arg(path("tables")));
+                let files = std::fs::read_dir(path("tables")).into_iter().flatten().flatten();
+                Answer { tables: files.filter_map(|f| std::fs::read_to_string(f.path()).ok()).collect(), ..exported }
+            }
+            "script" => reviews::typed(self.case["script"].as_str().unwrap(), folder),
             other => panic!("program {other} is not known"),
         }
     }
 }
 
-fn texts(list: &Value) -> Vec<String> {
+pub fn texts(list: &Value) -> Vec<String> {
     list.as_array().unwrap_or(&Vec::new()).iter().map(|text| text.as_str().unwrap().to_owned()).collect()
 }
 
@@ -172,52 +238,4 @@ fn advised(said: &str, given: &[String], knows: &Map<String, Value>) -> Vec<Stri
 /// The last hint; empty where there is none.
 fn hint(said: &str) -> &str {
     said.lines().rev().find_map(|line| line.trim().strip_prefix("hint: ")).unwrap_or_default()
-}
-
-fn remarks(summary: &Value) -> String {
-    format!("{}{}", summary["notes"], summary["concerns"])
-}
-
-/// What has to be said, and is not; what must not, and is.
-pub fn said(expected: &Value, text: &str) -> Vec<String> {
-    let is_said = |pattern: &String| regex::Regex::new(pattern).unwrap().is_match(text);
-    let missing = texts(&expected["must_say"]).into_iter().filter(|pattern| !is_said(pattern));
-    let missing: Vec<String> = missing.map(|pattern| format!("{pattern} is not said: {text}")).collect();
-    let wrong = texts(&expected["must_not_say"]).into_iter().filter(is_said);
-    [missing, wrong.map(|pattern| format!("{pattern} is said: {text}")).collect()].concat()
-}
-
-/// Numbers outside their ranges.
-fn numbers(expected: &Value, answer: &Answer) -> Vec<String> {
-    let summary = &answer.summary;
-    let metric = |name: &str| summary["metrics"][name]["value"].as_f64();
-    let event = |name: &str| summary["events"][name].as_f64();
-    let recommended =
-        summary["candidates"].as_array().into_iter().flatten().find(|c| c["id"] == summary["recommended"]);
-    let fit = recommended.and_then(|c| {
-        let simulation = &c["simulation"];
-        simulation["fit_as_measured_percent"].as_f64().or_else(|| simulation["fit_percent"].as_f64())
-    });
-    let of_models = summary["models"].as_array().into_iter().flatten().filter_map(|m| m["fit_percent"].as_f64());
-    let of_lines = answer.said.lines().filter(|line| line.contains("fit ")).filter_map(|line| {
-        line.split("fit ").nth(1)?.split_whitespace().next()?.trim_end_matches('%').parse::<f64>().ok()
-    });
-    let best = fit.or_else(|| of_models.chain(of_lines).reduce(f64::max));
-    let found = [
-        ("crush_mm", event("dynamic_crush_m").map(|m| 1e3 * m)),
-        ("peak_g", metric("peak_acceleration").map(|a| a.abs() / G)),
-        ("delta_v_m_s", event("delta_v_m_per_s").or_else(|| metric("delta_v")).map(f64::abs)),
-        ("hic15", metric("hic15")),
-    ];
-    let delta_v = &summary["metrics"]["delta_v"];
-    let spread = ["low", "high"].map(|end| ("spread_delta_v_km_h", delta_v[end].as_f64().map(|v| 3.6 * v.abs())));
-    let spread = spread.into_iter().filter(|(_, end)| end.is_some());
-    let found: Vec<(&str, Option<f64>)> = found.into_iter().chain(spread).collect();
-    let ranges = found.iter().filter_map(|(name, value)| {
-        let range = expected[*name].as_array()?;
-        let is_inside = value.is_some_and(|x| range[0].as_f64() <= Some(x) && Some(x) <= range[1].as_f64());
-        (!is_inside).then(|| format!("{name} is {value:?}, expected {range:?}"))
-    });
-    let least = expected["fit_at_least"].as_f64().filter(|least| best.is_none_or(|fit| fit < *least));
-    ranges.chain(least.map(|least| format!("fit {best:?}, expected {least} at least"))).collect()
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use crumple_metrics::cumulative;
 use crumple_signal::iso13499::wildcard;
 use crumple_signal::unit::near;
 use crumple_signal::{About, Channel, Notes, QuantityKind, Sampled, SignalError, Weight};
@@ -57,8 +58,8 @@ pub fn channels(
         && selected.is_none()
         && !sole
         && !data.iter().any(|k| header.named && names_acceleration(&header.columns[*k].title));
-    if settings.listing {
-        // Nothing is asked back for a list.
+    if settings.listing || settings.scale.is_some() {
+        // Nothing is asked back for a list; what is scaled is judged with all channels.
     } else if edr {
         check_for_velocity(file, header, &data, &kinds)?;
     } else if !others_are_welcome {
@@ -75,7 +76,7 @@ pub fn channels(
         samples.iter_mut().for_each(|x| *x *= factor);
         let quantity = match quantity {
             QuantityKind::Acceleration if is_integrated => {
-                samples = integral(&samples, time.grid.dt_s);
+                samples = cumulative(&samples, time.grid.dt_s);
                 notes.info(format!("column {} is integrated to a change of velocity", header.columns[k].title));
                 QuantityKind::VelocityChange
             }
@@ -108,16 +109,6 @@ pub fn channels(
         ));
     }
     Ok(channels)
-}
-
-/// The integral of samples from the first one on, by the trapezoidal rule.
-fn integral(samples: &[f64], dt_s: f64) -> Vec<f64> {
-    let mut sum = 0.0;
-    let steps = samples.windows(2).map(|pair| {
-        sum += 0.5 * (pair[0] + pair[1]) * dt_s;
-        sum
-    });
-    std::iter::once(0.0).take(samples.len()).chain(steps).collect()
 }
 
 /// The columns of a table whose times cannot be read, for a list: without samples, the reason as their comment.
@@ -261,8 +252,8 @@ fn check_for_acceleration(
             let hint = format!("the names may stand above other columns: give the number, such as --channel {fields}");
             return refuse_channel(file, found, "the column with the crash pulse", hint);
         }
-        let hint = pulse::which(&ids(header, &[*first])[0], unknown.len());
-        return refuse_channel(file, found, "the name of the channel with the crash pulse", hint);
+        let id = ids(header, &[*first]).remove(0);
+        return Err(pulse::which(file, found, &id, unknown.len()));
     }
     match unknown.iter().find(|k| is_named_as_acceleration(k)).or(unknown.first()) {
         Some(k) => Err(no_unit(*k)),

@@ -10,6 +10,7 @@ use crate::formats::table::numbers::{LeftOut, Remnant};
 use crate::formats::text::lines::{Line, NumberStyle, decode, is_text, without_mark};
 use crate::recording::content::{MINIMUM_SAMPLES, ReadChannel, Recording};
 use crate::recording::details::{Details, Stated, from_comments};
+use crate::recording::preamble;
 use crate::recording::settings;
 use crate::{IngestError, IngestSettings, Place, Profile, Result, refuse, refuse_size};
 
@@ -122,7 +123,10 @@ pub fn one_table(
     let layout = layout::sniff(text, file, least_columns)?;
     let header = header::read(&layout);
     let comments: Vec<(usize, String)> = layout.comments.iter().map(|line| (line.number, decode(line.bytes))).collect();
-    let facts = from_comments(file, comments.iter().map(|(line, text)| (*line, text.as_str())), settings)?;
+    let mut facts = from_comments(file, comments.iter().map(|(line, text)| (*line, text.as_str())), settings)?;
+    let above = layout.header.iter();
+    let above = above.map(|line| (format!("line {} of {file}", line.number), header::cells(line, &layout)));
+    preamble::take(above, &mut facts.details, &mut facts.notes);
     if let Some(contradiction) = &header.contradiction {
         return Err(two_units(file, contradiction));
     }

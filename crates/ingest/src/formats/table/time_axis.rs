@@ -2,6 +2,7 @@
 
 use crumple_signal::{About, Notes, Weight};
 
+use crate::error::Question;
 use crate::formats::table::header::TableHeader;
 use crate::formats::table::layout::Cells;
 use crate::formats::table::numbers::Rows;
@@ -110,7 +111,7 @@ fn time_column(file: &str, header: &TableHeader, rows: &Rows, is_unit_stated: bo
             let found = "whole numbers that grow by one, without a unit: times, or a count of the rows";
             let hint = "if they are times, --time-unit ms (or s, us) says in what; if they count the rows, state the \
                 sampling interval, such as --sample-time 100us";
-            return refuse(place(), found, expected, hint);
+            return Err(IngestError::content(place(), found, expected, hint).asking(Question::UnitOfTime));
         }
         return Ok(column);
     }
@@ -118,10 +119,10 @@ fn time_column(file: &str, header: &TableHeader, rows: &Rows, is_unit_stated: bo
         header.columns.iter().all(|c| matches!(c.unit, Unit::Signal(..)) || names_acceleration(&c.title));
     if only_signals && header.named {
         let titles: Vec<&str> = header.columns.iter().take(12).map(|c| c.title.as_str()).collect();
-        return refuse(file, format!("no column is the time: {}", titles.join(", ")), expected, STATE_THE_INTERVAL);
+        return Err(no_interval(file, format!("no column is the time: {}", titles.join(", ")), expected));
     }
     if (header.named && is_counter_name(title)) || (!is_unit_stated && counts(numbers)) {
-        return refuse(place(), "it counts rows, and no column is named as time", expected, STATE_THE_INTERVAL);
+        return Err(no_interval(place(), "it counts rows, and no column is named as time".to_owned(), expected));
     }
     let is_increasing = numbers.windows(2).all(|pair| pair[1] > pair[0]);
     if is_unit_stated || (!header.named && is_increasing) {
@@ -135,7 +136,14 @@ fn time_column(file: &str, header: &TableHeader, rows: &Rows, is_unit_stated: bo
         STATE_THE_INTERVAL.to_owned()
     };
     let hint = hint + if is_of_a_crash { "" } else { not_a_crash };
-    refuse(place(), "no column is named as time, nor is the first certain to be it", expected, hint)
+    let found = "no column is named as time, nor is the first certain to be it";
+    let question = if is_increasing { Question::UnitOfTime } else { Question::Interval };
+    Err(IngestError::content(place(), found, expected, hint).asking(question))
+}
+
+/// There is no time, and the sampling interval would do.
+fn no_interval(at: impl std::fmt::Display, found: String, expected: &str) -> IngestError {
+    IngestError::content(at, found, expected, STATE_THE_INTERVAL).asking(Question::Interval)
 }
 
 /// Finds the time column, its unit and its grid. The stamps are taken out of `rows`.

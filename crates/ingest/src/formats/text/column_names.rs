@@ -3,6 +3,7 @@
 use crumple_signal::unit::{self, Dimension, choices};
 use crumple_signal::{Axis, QuantityKind};
 
+use crate::error::Question;
 use crate::formats::iso13499;
 use crate::{IngestError, Place, Result};
 
@@ -32,7 +33,8 @@ impl Unit {
             Self::Unknown(symbol) => format!("unit {symbol:?} is not known"),
             _ => "no unit is stated".to_owned(),
         };
-        IngestError::content(place, found, format!("a unit of acceleration: {}", choices(ACCELERATION)), hint)
+        let expected = format!("a unit of acceleration: {}", choices(ACCELERATION));
+        IngestError::content(place, found, expected, hint).asking(Question::Unit)
     }
 }
 

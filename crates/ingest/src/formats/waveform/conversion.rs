@@ -262,7 +262,9 @@ pub fn quantities(
         Some(wanted) => Some(wanted).filter(lacks_unit),
         None => named.next().filter(|_| accelerations == 0),
     };
-    let Some(Label { title, unit, .. }) = ask.filter(|_| !settings.listing).map(|k| &labels[k]) else {
+    let Some(Label { title, unit, .. }) =
+        ask.filter(|_| !settings.listing && settings.scale.is_none()).map(|k| &labels[k])
+    else {
         return Ok(kinds);
     };
     let hint = "add --unit g or --unit m/s^2; units are not guessed";

@@ -7,8 +7,9 @@ use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crumple_artifact::records::{EventIntervalV1, EventsV1, IntervalSourceV1, MetricV1};
 use crumple_signal::key_quantities::{
-    CLIP_3MS, CRUSH, DELTA_V, HIC15, HIC36, KeyQuantity, MAXIMUM_DELTA_V, MAXIMUM_LATERAL_DELTA_V, OLC, PEAK,
-    RECORDED_CRUSH, RECORDED_EES, RESTITUTION, STROKE, TIME_OF_CRUSH, TIME_OF_MAXIMUM_DELTA_V, UNKNOWN,
+    CLIP_3MS, CRUSH, DELTA_V, DIRECTION_OF_FORCE, HIC15, HIC36, KeyQuantity, MAXIMUM_DELTA_V, MAXIMUM_LATERAL_DELTA_V,
+    OLC, PEAK, RECORDED_CRUSH, RECORDED_EES, RESTITUTION, STROKE, TIME_OF_CRUSH, TIME_OF_MAXIMUM_DELTA_V,
+    TOTAL_DELTA_V, UNKNOWN,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -218,7 +219,15 @@ pub(crate) fn sign_of(run: &Run, metric: &MetricV1) -> &'static str {
 /// What a recorder kept: the largest changes of velocity, and what follows of energy and crush. A table of a sample
 /// every 10 ms has no peak.
 fn of_recorder(run: &Run) -> Vec<KeyNumber> {
-    let kept = [MAXIMUM_DELTA_V, TIME_OF_MAXIMUM_DELTA_V, MAXIMUM_LATERAL_DELTA_V, RECORDED_EES, RECORDED_CRUSH];
+    let kept = [
+        MAXIMUM_DELTA_V,
+        TIME_OF_MAXIMUM_DELTA_V,
+        MAXIMUM_LATERAL_DELTA_V,
+        TOTAL_DELTA_V,
+        DIRECTION_OF_FORCE,
+        RECORDED_EES,
+        RECORDED_CRUSH,
+    ];
     let number = |quantity: &KeyQuantity| {
         let metric = run.metric(quantity.key).filter(|metric| metric.value.is_some())?;
         Some(of_metric(run, quantity, metric))
