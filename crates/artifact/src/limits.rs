@@ -67,8 +67,8 @@ struct Line {
 }
 
 impl ToleranceRule {
-    /// Reads the line of a pattern, `{ abs = 1e-6, rel = 1e-9 }` or `{ ignore = true }`. `#<place>` in the pattern may be
-    /// left out: everything under the topic. An empty topic: every topic.
+    /// Reads the line of a pattern, `{ abs = 1e-6, rel = 1e-9 }` or `{ ignore = true }`. `#<place>` in the pattern may
+    /// be left out: everything under the topic. An empty topic: every topic.
     ///
     /// Errors: the pattern, what was found and what was expected, in one text.
     pub fn read<'de>(pattern: &str, line: impl Deserializer<'de>) -> Result<Self, String> {

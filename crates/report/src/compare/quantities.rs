@@ -91,17 +91,12 @@ impl Quantity {
     /// of both has none, or alone determines it; 0 where such numbers are not compared.
     pub fn beyond(&self, run: usize) -> f64 {
         match (&self.values[0], &self.values[run]) {
-            (Some(first), Some(own)) if own.limit.is_some() && (first.doubt.is_some() || own.doubt.is_some()) => {
-                if first.doubt.is_some() && own.doubt.is_some() {
-                    0.0
-                } else {
-                    f64::INFINITY
-                }
-            }
             (Some(first), Some(own)) => {
                 let distance = (own.value - first.value).abs();
-                match own.limit {
-                    Some(limit) if distance > 0.0 => distance / limit.allowed(),
+                match (own.limit, first.doubt.is_some(), own.doubt.is_some()) {
+                    (None, ..) | (_, true, true) => 0.0,
+                    (_, before, after) if before != after => f64::INFINITY,
+                    (Some(limit), ..) if distance > 0.0 => distance / limit.allowed(),
                     _ => 0.0,
                 }
             }

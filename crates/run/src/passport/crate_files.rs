@@ -116,8 +116,8 @@ impl CrateFiles {
         String::from_utf8(bytes).map_err(|_| damaged(self.path(), format!("{place} is no text in UTF-8")))
     }
 
-    /// Copies a file of at most so many bytes; its size and its digest, `None` where it has more. What an archive claims
-    /// reserves nothing.
+    /// Copies a file of at most so many bytes; its size and its digest, `None` where it has more. What an archive
+    /// claims reserves nothing.
     pub(crate) fn copy(
         &mut self,
         place: &str,

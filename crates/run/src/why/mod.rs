@@ -94,8 +94,8 @@ impl Sets<'_> {
         Ok(made)
     }
 
-    /// The first set that has all up to the models in common with this one, and does not share them with an end: what is
-    /// costly is computed once.
+    /// The first set that has all up to the models in common with this one, where no end has: what is costly is
+    /// computed once.
     fn model(&self, set: usize) -> Option<usize> {
         let all = (1 << self.causes.len()) - 1;
         let has_models = |other: usize| self.causes.first_stage(set ^ other) > place_in_chain(MODELS);
@@ -116,8 +116,7 @@ impl Sets<'_> {
         sets: &[usize],
         from: impl Fn(usize) -> (usize, PathBuf) + Sync,
     ) -> Vec<(usize, anyhow::Result<Option<Summary>>)> {
-        let cores = thread::available_parallelism().map_or(1, usize::from);
-        let workers = cores.min(sets.len());
+        let workers = thread::available_parallelism().map_or(1, usize::from).min(sets.len());
         let next = Mutex::new(sets.iter().copied());
         let results = Mutex::new(Vec::new());
         thread::scope(|scope| {
@@ -125,7 +124,7 @@ impl Sets<'_> {
                 scope.spawn(|| {
                     loop {
                         let Some(set) = next.lock().ok().and_then(|mut sets| sets.next()) else { return };
-                        let result = self.run_one(set, &from(set), (cores / workers).max(1));
+                        let result = self.run_one(set, &from(set));
                         if let Ok(mut results) = results.lock() {
                             results.push((set, result));
                         }
@@ -142,8 +141,8 @@ impl Sets<'_> {
         self.folder.path().join(format!("set-{set}"))
     }
 
-    /// Runs the chain with a set of causes on so many threads, from what another run shares with it.
-    fn run_one(&self, set: usize, (other, from): &(usize, PathBuf), threads: usize) -> anyhow::Result<Option<Summary>> {
+    /// Runs the chain with a set of causes, from what another run shares with it.
+    fn run_one(&self, set: usize, (other, from): &(usize, PathBuf)) -> anyhow::Result<Option<Summary>> {
         let folder = self.place(set);
         fs::create_dir_all(&folder)?;
         let stages = chain().take(self.causes.first_stage(set ^ other)).flat_map(|stage| stage.outputs);
@@ -154,8 +153,6 @@ impl Sets<'_> {
         let file = self.folder.path().join(format!("set-{set}.toml"));
         fs::write(&file, recipe.pipeline.to_string())?;
         let mut command = recipe.typed.run(Path::new("."), file.as_os_str(), &recipe.record, &folder);
-        // Results do not depend on the number of threads.
-        command.env("RAYON_NUM_THREADS", threads.to_string());
         let ended = command.output().context("cannot start the run of a cause")?;
         let has_result = [ExitStatus::Done, ExitStatus::NoAcceptableResult].map(|status| Some(i32::from(status as u8)));
         if !has_result.contains(&ended.status.code()) {
