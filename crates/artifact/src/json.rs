@@ -155,6 +155,31 @@ pub fn topic_matches(pattern: &str, topic: &str) -> bool {
     pattern[p..].iter().all(|c| *c == '*')
 }
 
+/// Whether some text matches both patterns.
+pub(crate) fn patterns_meet(a: &str, b: &str) -> bool {
+    let [a, b] = [a, b].map(|pattern| pattern.chars().collect::<Vec<char>>());
+    // Whether what is left of both from here on can be one text.
+    let mut meets = vec![vec![false; b.len() + 1]; a.len() + 1];
+    for i in (0..=a.len()).rev() {
+        for j in (0..=b.len()).rev() {
+            let after = |i: usize, j: usize| meets.get(i).and_then(|row| row.get(j)).copied().unwrap_or(false);
+            meets[i][j] = match (a.get(i), b.get(j)) {
+                (None, None) => true,
+                (Some('*'), _) | (_, Some('*')) => {
+                    let (star_a, star_b) = (a.get(i) == Some(&'*'), b.get(j) == Some(&'*'));
+                    (star_a && after(i + 1, j))
+                        || (star_b && after(i, j + 1))
+                        || (star_a && j < b.len() && after(i, j + 1))
+                        || (star_b && i < a.len() && after(i + 1, j))
+                }
+                (Some(x), Some(y)) => (x == y || *x == '?' || *y == '?') && after(i + 1, j + 1),
+                _ => false,
+            };
+        }
+    }
+    meets[0][0]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -17,6 +17,9 @@ pub struct Tolerance {
     pub rel: f64,
 }
 
+/// The share within which an engineer calls two values the same that are no times, lengths or velocities.
+pub const SAME_SHARE: f64 = 5e-3;
+
 impl Tolerance {
     /// Equal numbers only.
     pub const ZERO: Self = Self { abs: 0.0, rel: 0.0 };
@@ -29,7 +32,7 @@ impl Tolerance {
             Some(Unit::Second) => tolerance(1e-4, 0.0),
             Some(Unit::Metre) => tolerance(1e-3, 0.0),
             Some(Unit::MetrePerSecond) => tolerance(1e-2, 0.0),
-            None => tolerance(1e-9, 5e-3),
+            None => tolerance(1e-9, SAME_SHARE),
         }
     }
 

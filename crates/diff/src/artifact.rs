@@ -360,7 +360,7 @@ fn compare_samples(report: &mut TopicReport, a: &Wave, b: &Wave, tolerance: Tole
                 rel: Some(relative(distance)),
                 sample: Some(k as u64),
                 time_s: Some(a.sampled.time_s(k)),
-                determined: None,
+                ..Difference::default()
             }
         };
         report.differs(at(first));

@@ -15,11 +15,28 @@ pub enum Side {
     B,
 }
 
+/// One step of the way from a record to a value in it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Step {
+    /// A field of a map.
+    Field(String),
+    /// An element of a list by its `id` or `name`.
+    Element(String),
+    /// An element of a list by its index.
+    Index(usize),
+}
+
 /// One value that differs.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Difference {
     /// Where in the topic, e.g. `[peak_acceleration].value` or `sample 812`; empty: the record as a whole.
     pub place: String,
+    /// The same in steps; empty where the place is none inside a record.
+    #[serde(skip)]
+    pub steps: Vec<Step>,
+    /// Whether it is the length of the list there.
+    #[serde(skip)]
+    pub is_length: bool,
     /// The first side's value; left out where it has none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub a: Option<Value>,

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crumple_artifact::ReadError;
+use crumple_artifact::{ReadError, TOLERANCE_HINT};
 
 /// Why two results cannot be compared.
 #[derive(Debug, thiserror::Error)]
@@ -58,9 +58,7 @@ impl DiffError {
             Self::Json { .. } => "write the report again with --force",
             Self::Kinds { .. } => "give two artifacts, two summary.json or two run folders",
             Self::NotARun { .. } => "give the folder that holds 1-ingest.mcap ..., e.g. runs/crash/default",
-            Self::Tolerance(_) => {
-                r#"write lines like "/wave/*" = { abs = 1e-6, rel = 1e-9 }; docs/diff.md has them all"#
-            }
+            Self::Tolerance(_) => TOLERANCE_HINT,
         }
     }
 }

@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 
 use crate::allowed::{Allowed, Unit};
 use crate::candidate::Candidate;
-use crate::differences::{Difference, Reason, TopicReport};
+use crate::differences::{Difference, Reason, Step, TopicReport};
 use crate::ranking::same_ranking;
 use crate::texts::{same_but_for_numbers, same_words, same_words_exactly};
 use crate::{Base, CompareSettings, Tolerance};
@@ -39,7 +39,7 @@ fn walk(
     limits: Option<BTreeMap<String, Limit>>,
 ) -> (TopicReport, BTreeMap<String, Limit>) {
     let mut walk = Walk { settings, report: TopicReport::new(topic), candidate: None, limits };
-    walk.value(At { place: String::new(), unit: None, scale: None, root_modulus: None }, a, b);
+    walk.value(At { place: String::new(), way: None, unit: None, scale: None, root_modulus: None }, a, b);
     (walk.report, walk.limits.unwrap_or_default())
 }
 
@@ -69,8 +69,10 @@ struct Walk<'a> {
 }
 
 /// Where the walk stands.
-struct At {
+struct At<'a> {
     place: String,
+    /// The last step to it, and where that was made.
+    way: Option<(Step, &'a At<'a>)>,
     unit: Option<Unit>,
     /// What a relative difference refers to, where not to the number itself.
     scale: Option<f64>,
@@ -78,14 +80,31 @@ struct At {
     root_modulus: Option<f64>,
 }
 
-impl At {
-    fn element(&self, label: &str) -> Self {
-        Self { place: format!("{}[{label}]", self.place), unit: self.unit, scale: self.scale, root_modulus: None }
+impl At<'_> {
+    /// An element of the list here, which `label` tells apart.
+    fn element(&self, label: &str, step: Step) -> At<'_> {
+        let place = format!("{}[{label}]", self.place);
+        At { place, way: Some((step, self)), unit: self.unit, scale: self.scale, root_modulus: None }
+    }
+
+    fn named(&self, name: &str) -> At<'_> {
+        self.element(name, Step::Element(name.to_owned()))
+    }
+
+    fn index(&self, index: usize) -> At<'_> {
+        self.element(&index.to_string(), Step::Index(index))
+    }
+
+    fn steps(&self) -> Vec<Step> {
+        let Some((step, from)) = &self.way else { return Vec::new() };
+        let mut steps = from.steps();
+        steps.push(step.clone());
+        steps
     }
 }
 
 impl Walk<'_> {
-    fn value(&mut self, at: At, a: &Value, b: &Value) {
+    fn value(&mut self, at: At<'_>, a: &Value, b: &Value) {
         match (a, b) {
             (Value::Object(x), Value::Object(y)) => self.object(&at, x, y),
             (Value::Array(x), Value::Array(y)) => self.array(at, a, x, b, y),
@@ -93,7 +112,7 @@ impl Walk<'_> {
         }
     }
 
-    fn object(&mut self, at: &At, a: &Map<String, Value>, b: &Map<String, Value>) {
+    fn object(&mut self, at: &At<'_>, a: &Map<String, Value>, b: &Map<String, Value>) {
         let candidate = Candidate::from_records(&at.place, a, b);
         let entered = candidate.is_some();
         self.candidate = candidate.or(self.candidate.take());
@@ -111,18 +130,19 @@ impl Walk<'_> {
             let scale = complex_group(key).and_then(|group| moduli.get(&group).copied()).or(energy);
             let root_modulus =
                 if matches!(key.as_str(), "numerator" | "denominator") { root_modulus(a, b) } else { None };
-            self.pair(At { place, unit, scale, root_modulus }, a.get(key), b.get(key));
+            let way = Some((Step::Field(key.clone()), at));
+            self.pair(At { place, way, unit, scale, root_modulus }, a.get(key), b.get(key));
         }
         if entered {
             self.candidate = None;
         }
     }
 
-    fn array(&mut self, mut at: At, a: &Value, x: &[Value], b: &Value, y: &[Value]) {
+    fn array(&mut self, mut at: At<'_>, a: &Value, x: &[Value], b: &Value, y: &[Value]) {
         if let (Some(x), Some(y)) = (elements_by_name(x), elements_by_name(y)) {
             let names: BTreeSet<&str> = x.keys().chain(y.keys()).copied().collect();
             for name in names {
-                self.pair(at.element(name), x.get(name).copied(), y.get(name).copied());
+                self.pair(at.named(name), x.get(name).copied(), y.get(name).copied());
             }
             return;
         }
@@ -146,6 +166,8 @@ impl Walk<'_> {
             let place = if at.place.is_empty() { "length".to_owned() } else { format!("{} length", at.place) };
             self.report.differs(Difference {
                 place,
+                steps: at.steps(),
+                is_length: true,
                 a: Some(x.len().into()),
                 b: Some(y.len().into()),
                 ..Difference::default()
@@ -155,7 +177,7 @@ impl Walk<'_> {
             && let Some(scales) = scales(x, y, modulus)
         {
             for (k, ((x, y), scale)) in x.iter().zip(y).zip(scales).enumerate() {
-                self.value(At { scale: Some(scale), ..at.element(&k.to_string()) }, x, y);
+                self.value(At { scale: Some(scale), ..at.index(k) }, x, y);
             }
             return;
         }
@@ -165,12 +187,12 @@ impl Walk<'_> {
             at.scale = Some(largest_a.max(largest_b));
         }
         for (k, (x, y)) in x.iter().zip(y).enumerate() {
-            self.value(at.element(&k.to_string()), x, y);
+            self.value(at.index(k), x, y);
         }
     }
 
     /// A value that one side may lack.
-    fn pair(&mut self, at: At, a: Option<&Value>, b: Option<&Value>) {
+    fn pair(&mut self, at: At<'_>, a: Option<&Value>, b: Option<&Value>) {
         match (a, b) {
             (Some(a), Some(b)) => self.value(at, a, b),
             _ => match self.tolerance(&at) {
@@ -178,13 +200,14 @@ impl Walk<'_> {
                 Ok(_) => {
                     self.report.values += 1;
                     let (a, b) = (a.cloned(), b.cloned());
-                    self.report.differs(Difference { place: at.place, a, b, ..Difference::default() });
+                    let steps = at.steps();
+                    self.report.differs(Difference { place: at.place, steps, a, b, ..Difference::default() });
                 }
             },
         }
     }
 
-    fn scalar(&mut self, at: At, a: &Value, b: &Value) {
+    fn scalar(&mut self, at: At<'_>, a: &Value, b: &Value) {
         let tolerance = match self.tolerance(&at) {
             Ok(tolerance) => tolerance,
             Err(reason) => return self.report.leaves_out(reason, leaves(a).max(leaves(b))),
@@ -217,8 +240,8 @@ impl Walk<'_> {
             return;
         }
         let aside = self.is_aside(&at.place, a, b);
-        let (place, a, b) = (at.place, Some(a.clone()), Some(b.clone()));
-        let difference = Difference { place, a, b, abs, rel, determined, ..Difference::default() };
+        let (steps, a, b) = (at.steps(), Some(a.clone()), Some(b.clone()));
+        let difference = Difference { place: at.place, steps, a, b, abs, rel, determined, ..Difference::default() };
         if aside {
             self.report.aside.push(difference);
         } else {
@@ -238,7 +261,7 @@ impl Walk<'_> {
         is_source || (is_note && same_but_for_numbers(x, y))
     }
 
-    fn tolerance(&self, at: &At) -> Allowed {
+    fn tolerance(&self, at: &At<'_>) -> Allowed {
         self.settings.tolerances.tolerance_of(&self.report.topic, &at.place, at.unit, self.candidate.as_ref())
     }
 }

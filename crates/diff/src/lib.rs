@@ -15,10 +15,11 @@ mod ranking;
 mod texts;
 mod tolerances;
 
-pub use allowed::Tolerance;
+pub use allowed::{SAME_SHARE, Tolerance};
 pub use artifact::{compare_artifacts, open_candidates};
-pub use differences::{Comparison, Difference, FileReport, NotCompared, Reason, Side, TopicReport};
+pub use crumple_artifact::ToleranceRule;
+pub use differences::{Comparison, Difference, FileReport, NotCompared, Reason, Side, Step, TopicReport};
 pub use error::DiffError;
 pub use json::{Limit, compare_json, compare_with_limits};
 pub use print::{TextOptions, conclusion, write_text};
-pub use tolerances::{Base, CompareSettings, ToleranceRule, Tolerances, parse_rules, rules_of};
+pub use tolerances::{Base, CompareSettings, Tolerances, parse_rules, rules_of};

@@ -14,6 +14,7 @@ pub mod phrases;
 pub mod run_numbers;
 mod stage;
 
+pub use compare::causes::name_of_cause;
 pub use compare::compared_run::ComparedRun;
 pub use compare::document::RunComparison;
 pub use compare::first_screen::first_screen;

@@ -148,20 +148,22 @@ pub(crate) fn named<C: CommandFactory>(call: &Call, stage: Option<&clap::Command
     sorted::<C>(call, stage).words.into_iter().skip_while(|word| word != "--").nth(1)
 }
 
+/// Flags that a run takes from among those of the first stage, and what stands behind each.
+pub(crate) const OWN_BEHIND_RECORD: [(&str, &str); 2] = [("--set", "STAGE.OPTION=VALUE"), ("--stage", "STAGE=COMMAND")];
+
 impl Options {
     /// Takes the options set, and the programs named, behind `--` from among the flags of the first stage, and hands
     /// its own flags on.
     pub(crate) fn take_own(&mut self) -> Result<(), Usage> {
         self.of_all.add_to(&mut self.flags);
-        let own =
-            [("--set", "STAGE.OPTION=VALUE", &mut self.set), ("--stage", "STAGE=COMMAND", &mut self.programs.stage)];
-        let mut own = own.into_iter().skip(usize::from(self.again.is_some())).collect::<Vec<_>>();
+        let own = OWN_BEHIND_RECORD.into_iter().zip([&mut self.set, &mut self.programs.stage]);
+        let mut own = own.skip(usize::from(self.again.is_some())).collect::<Vec<_>>();
         let mut words = std::mem::take(&mut self.record).into_iter();
         while let Some(word) = words.next() {
             let text = word.to_str().unwrap_or_default();
             let (flag, value) = text.split_once('=').map_or((text, None), |(flag, value)| (flag, Some(value)));
-            match own.iter_mut().find(|(name, _, _)| *name == flag) {
-                Some((name, form, taken)) => {
+            match own.iter_mut().find(|((name, _), _)| *name == flag) {
+                Some(((name, form), taken)) => {
                     let typed = value.map(str::to_owned).or_else(|| words.next()?.into_string().ok());
                     taken.push(typed.ok_or_else(|| Usage::new(format!("{name} needs {form} behind it")))?);
                 }

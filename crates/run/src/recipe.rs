@@ -40,7 +40,10 @@ pub(crate) struct Typed {
 }
 
 impl Recipe {
-    pub(crate) fn of(folder: &Path) -> anyhow::Result<Self> {
+    /// How the run in a folder was made; `typed_again` is what to type once all is at hand.
+    ///
+    /// Errors: the folder does not say it, its record or programs are not at hand, or its version is another one.
+    pub(crate) fn of(folder: &Path, typed_again: &str) -> anyhow::Result<Self> {
         let lacks = |what: String, hint: &str| {
             Usage::new(format!("{}: {what}, so its change cannot be divided", folder.display())).hint(hint.to_owned())
         };
@@ -60,8 +63,13 @@ impl Recipe {
         }
         let named = pipeline.record().unwrap_or_default();
         let Some(record) = place_of(folder, named).filter(|_| !named.is_empty()) else {
-            let hint = "call it where the record lies: the path is counted from the project";
-            return Err(lacks(format!("the record {named:?} is not at hand"), hint).into());
+            let here = std::path::absolute(named).unwrap_or_else(|_| PathBuf::from(named));
+            let hint = format!(
+                "looked for {}, and for {named} in every folder above {}; put the record there and type {typed_again}",
+                here.display(),
+                folder.display()
+            );
+            return Err(lacks(format!("the record {named:?} is not at hand"), &hint).into());
         };
         let typed = Typed::of(&pipeline)?;
         if let Some(name) = typed.programs.values().find_map(Foreign::changed) {

@@ -37,7 +37,7 @@ pub use command_line::pipeline_file::Pipeline;
 pub use crumple_artifact::{Artifact, InputDigest, Record, Wave, records};
 pub use environment::{refuse_unknown_variables, variable_of, variables};
 pub use error::{ExitStatus, MissingTopic, RefuseExt, Refused, Usage, unknown_name};
-pub use names::{ChainStage, chain, errors_in_words, nearest, told_apart};
+pub use names::{ChainStage, chain, errors_in_words, nearest, sidecar_of, told_apart};
 pub use process::{Call, Outcome, Program, Stage, run_stage, run_tool};
 pub use terminal::{Progress, be_quiet, columns, labelled, labelled_and_cut, printable, say, to_stdout, wrapped};
 pub use typed::{IN_RUN, OF_ARTIFACT, Way, by_way, flag, option, program};

@@ -1,5 +1,6 @@
 //! The chain of the stages and what they write; the name nearest to a mistyped one.
 
+use std::ffi::OsString;
 use std::path::{Component, PathBuf};
 use std::sync::LazyLock;
 
@@ -25,6 +26,13 @@ pub fn told_apart(folders: &[PathBuf]) -> Vec<String> {
         all.iter_mut().for_each(|parts| _ = parts.pop());
     }
     all.into_iter().map(|parts| parts.join("/")).collect()
+}
+
+/// The file of options beside a record: `crash.csv.toml` of `crash.csv`.
+pub fn sidecar_of(record: impl Into<OsString>) -> PathBuf {
+    let mut name = record.into();
+    name.push(".toml");
+    name.into()
 }
 
 // "Did you mean ...?"

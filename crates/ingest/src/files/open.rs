@@ -352,9 +352,7 @@ pub(crate) fn head(path: &Path, length: u64) -> Result<Vec<u8>> {
 }
 
 pub(crate) fn sidecar_of(main_path: &Path, show: ShowProgress) -> Result<Option<NamedBytes>> {
-    let mut name = main_path.as_os_str().to_owned();
-    name.push(".toml");
-    let path = PathBuf::from(name);
+    let path = crumple_stage::sidecar_of(main_path);
     if !path.is_file() {
         return Ok(None);
     }

@@ -10,7 +10,7 @@ use crate::drawing::numbers::ABSENT;
 use crate::phrases::words;
 
 use super::expected::Expected;
-use super::settings::{options_of, programs_of, settings_of};
+use super::settings::{limits_of, options_of, programs_of, settings_of};
 use crate::findings::{StageRecord, TestSummary};
 
 /// What two results were made with that is not the same.
@@ -39,7 +39,11 @@ pub enum CauseKind {
     Program,
     Pipeline,
     Setting,
+    Limit,
 }
+
+/// What a limit of a pipeline is called among stages and their options.
+pub const LIMITS: &str = "limits";
 
 impl std::fmt::Display for Cause {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -50,6 +54,23 @@ impl std::fmt::Display for Cause {
 
 fn cause(kind: CauseKind, name: &str, from: String, to: String) -> Cause {
     Cause { kind, name: name.to_owned(), from, to, place: None }
+}
+
+/// Options of `ingest` that state a field of the test, and the field.
+const OF_TEST: [(&str, &str); 6] = [
+    ("ingest.mass", "mass_kg"),
+    ("ingest.impact_speed", "impact_speed_m_per_s"),
+    ("ingest.channel", "channel"),
+    ("ingest.vehicle", "vehicle"),
+    ("ingest.barrier", "barrier"),
+    ("ingest.time_zero", "time_zero_s"),
+];
+
+/// What an option is called among the causes: `filter.cfc`; one that states a field of the test as that field,
+/// `test.mass_kg`.
+pub fn name_of_cause(option: &str) -> String {
+    let field = OF_TEST.iter().find(|(name, _)| *name == option).map(|(_, field)| *field);
+    field.map_or_else(|| option.to_owned(), |field| format!("test.{field}"))
 }
 
 /// What the test was, in each run: mass, speed, contact, the channel of the pulse.
@@ -96,10 +117,13 @@ pub fn causes([a, b]: [&Expected; 2], place: impl Fn(&str, &str) -> Option<(Stri
     if a.record[1] != b.record[1] {
         all.push(cause(CauseKind::Record, "record", a.record(), b.record()));
     }
-    // What was typed for the test is said as what it makes of it.
-    let is_said = !all.is_empty();
+    // What was typed or set for the test is said as what it makes of it.
+    let is_said = |name: &str| match name {
+        "ingest.flags" => !all.is_empty(),
+        option => all.iter().any(|cause| cause.name == name_of_cause(option)),
+    };
     let mut settings = settings([a, b], &place);
-    settings.retain(|cause| !(is_said && cause.name == "ingest.flags"));
+    settings.retain(|cause| !is_said(&cause.name));
     let chain = |name: &str| {
         let stage = name.split('.').next().unwrap_or_default();
         b.stages.iter().chain(&a.stages).position(|record| record.stage == stage)
@@ -112,8 +136,23 @@ pub fn causes([a, b]: [&Expected; 2], place: impl Fn(&str, &str) -> Option<(Stri
         let [from, to] = pipelines;
         all.push(cause(CauseKind::Pipeline, "pipeline", from, to));
     }
+    all.extend(limits([a, b], &place));
     all.sort_by_key(|cause| cause.kind);
     all
+}
+
+/// The limits of both pipelines that are not the same. An earlier version kept none.
+fn limits([a, b]: [&Expected; 2], place: &impl Fn(&str, &str) -> Option<(String, usize)>) -> Vec<Cause> {
+    if a.is_earlier() || b.is_earlier() {
+        return Vec::new();
+    }
+    let values = [a, b].map(|side| limits_of(&side.limits));
+    let pattern = |name: &str| b.limits.keys().find(|pattern| name.contains(pattern.as_str())).cloned();
+    let limit = |(name, [from, to]): (String, [String; 2])| Cause {
+        place: pattern(&name).and_then(|pattern| place(LIMITS, &pattern)),
+        ..cause(CauseKind::Limit, &name, from, to)
+    };
+    differing(&values).into_iter().map(limit).collect()
 }
 
 /// Programs and options that differ. Options are called as a pipeline calls them, where both runs kept theirs and one

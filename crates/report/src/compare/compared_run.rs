@@ -1,5 +1,6 @@
 //! One of the runs that are compared.
 
+use super::expected::Limits;
 use crate::findings::{CandidateResult, Ranking, Run, Summary, summary};
 
 /// A run under the name that the comparison calls it.
@@ -15,6 +16,8 @@ pub struct ComparedRun {
     pub ranking: Ranking,
     /// What a script reads of it.
     pub summary: Summary,
+    /// The limits within which its pipeline says that runs are the same.
+    pub limits: Limits,
 }
 
 impl ComparedRun {
@@ -22,7 +25,7 @@ impl ComparedRun {
     pub fn new(name: String, report: Option<String>, run: Run) -> Self {
         let ranking = Ranking::of_run(&run);
         let summary = summary(&run, &ranking);
-        Self { name, report, run, ranking, summary }
+        Self { name, report, run, ranking, summary, limits: Limits::new() }
     }
 
     /// The candidate that its run recommends.

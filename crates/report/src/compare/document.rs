@@ -1,7 +1,10 @@
 //! The comparison of several runs as a page and as Markdown.
 
-use crate::phrases::PHRASES;
 use std::collections::BTreeSet;
+
+use crumple_diff::DiffError;
+
+use crate::phrases::PHRASES;
 
 use crate::drawing::escape::{address, html};
 use crate::drawing::numbers::ABSENT;
@@ -10,8 +13,10 @@ use crate::phrases::RunTexts;
 use crate::phrases::words::fill;
 
 use super::compared_run::ComparedRun;
+use super::expected::within;
 use super::figure::figure;
 use super::numbers::number_rows;
+use super::quantities::engineering;
 use super::settings;
 use super::table::{Row, to_html, to_lines, to_markdown};
 use crate::frame::{FIGURES, framed, words_of_figures};
@@ -28,12 +33,15 @@ pub struct RunComparison<'a> {
 }
 
 impl<'a> RunComparison<'a> {
-    /// Compares every run with the first. The same runs give the same bytes.
-    pub fn new(runs: &'a [ComparedRun]) -> Self {
+    /// Compares every run with the first, within the limits of the first. The same runs give the same bytes.
+    ///
+    /// Errors: a limit is none.
+    pub fn new(runs: &'a [ComparedRun]) -> Result<Self, DiffError> {
         let texts = &PHRASES.runs;
-        let [numbers, models, predictions] = number_rows(runs);
+        let limits = runs.first().map(|run| run.limits.clone()).unwrap_or_default();
+        let [numbers, models, predictions] = number_rows(runs, &within(&engineering(), &limits)?);
         let made = settings::rows(runs);
-        let sentences = vec![made_of(runs, &made, texts), what_differs(&numbers, &models, texts)];
+        let sentences = vec![made_of(runs, &made, texts), what_differs(&numbers, &models, !limits.is_empty(), texts)];
         let mut tables = vec![
             (texts.key_numbers, texts.number, numbers),
             (texts.recommended_models, texts.of_the_model, models),
@@ -41,7 +49,7 @@ impl<'a> RunComparison<'a> {
             (texts.made_with, texts.setting, made),
         ];
         tables.retain(|(_, _, rows)| !rows.is_empty());
-        Self { runs, names: runs.iter().map(|run| run.name.clone()).collect(), tables, sentences }
+        Ok(Self { runs, names: runs.iter().map(|run| run.name.clone()).collect(), tables, sentences })
     }
 
     /// What differs, in two sentences.
@@ -151,8 +159,8 @@ fn made_of(runs: &[ComparedRun], made: &[Row], texts: &RunTexts) -> String {
     fill(template, &filled)
 }
 
-/// Which numbers and parameters are apart by more than the tolerance.
-fn what_differs(numbers: &[Row], models: &[Row], texts: &RunTexts) -> String {
+/// Which numbers and parameters are apart by more than the tolerance, or than limits of the first run's own.
+fn what_differs(numbers: &[Row], models: &[Row], has_own_limits: bool, texts: &RunTexts) -> String {
     let differing = |rows: &[Row]| -> Vec<String> {
         rows.iter().filter(|row| row.differs()).map(|row| symbol(&row.name).to_owned()).collect()
     };
@@ -174,7 +182,8 @@ fn what_differs(numbers: &[Row], models: &[Row], texts: &RunTexts) -> String {
         _ => {}
     }
     let template = if parts.is_empty() { texts.nothing_differs } else { texts.differ };
-    fill(template, &[("tolerance", texts.tolerance), ("names", &parts.join("; "))])
+    let tolerance = if has_own_limits { texts.own_limits } else { texts.tolerance };
+    fill(template, &[("tolerance", tolerance), ("names", &parts.join("; "))])
 }
 
 /// The name without its unit.

@@ -9,6 +9,15 @@ use serde_json::Value;
 
 use crate::findings::{CandidateSummary, ModelSummary, StageRecord, Summary, record_name};
 
+/// The limits of a pipeline by their patterns, as a file of tolerances has them.
+pub type Limits = BTreeMap<String, Value>;
+
+/// These settings with the limits of a pipeline, behind what was typed. Errors: a limit is none.
+pub fn within(settings: &CompareSettings, limits: &Limits) -> Result<CompareSettings, DiffError> {
+    let tolerances = settings.tolerances.with_rules(rules_of(limits)?);
+    Ok(CompareSettings { tolerances, ..settings.clone() })
+}
+
 /// What is kept of an accepted run.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[serde(default)]
@@ -23,7 +32,7 @@ pub struct Expected {
     pub options: BTreeMap<String, Value>,
     /// The limits within which its pipeline says that runs are the same.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    pub limits: BTreeMap<String, Value>,
+    pub limits: Limits,
     /// Programs, settings and content digests of the artifacts.
     pub stages: Vec<StageRecord>,
     /// What people decide by.
@@ -92,8 +101,7 @@ impl Expected {
 
     /// These settings with the limits of its pipeline, behind what was typed. Errors: a limit is none.
     pub fn within(&self, settings: &CompareSettings) -> Result<CompareSettings, DiffError> {
-        let tolerances = settings.tolerances.with_rules(rules_of(&self.limits)?);
-        Ok(CompareSettings { tolerances, ..settings.clone() })
+        within(settings, &self.limits)
     }
 
     /// The record with the first characters of its digest.

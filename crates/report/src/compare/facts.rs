@@ -3,16 +3,17 @@
 
 use std::collections::BTreeMap;
 
-use crumple_artifact::records::{EventsV1, PredictionV1};
-use crumple_diff::{CompareSettings, Difference, Limit, compare_with_limits};
+use crumple_artifact::records::EventsV1;
+use crumple_diff::{CompareSettings, Difference, Limit, SAME_SHARE, Step, compare_with_limits};
 use serde_json::{Map, Value, json};
 
-use crate::drawing::numbers::{ABSENT, KM_PER_H_PER_M_PER_S};
+use crate::drawing::numbers::ABSENT;
 use crate::findings::{CandidateSummary, MetricSummary, Summary};
 use crate::phrases::words;
 
 use super::expected::{Expected, in_short, named};
 use super::quantities::{INTERVAL_SHARE, PREDICTED, Quantity, allows_intervals};
+use super::scenarios::{Scenario, scenarios};
 
 /// Something that differs and is no number of the table.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -22,12 +23,50 @@ pub struct Fact {
     pub key: String,
     /// Before and after.
     pub values: [String; 2],
+    /// What of a run it is of.
+    part: Part,
+}
+
+/// What of a run a fact is of.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Part {
+    Status,
+    /// The interval of a number of the table.
+    Interval,
+    /// A candidate by its id.
+    Candidate(String),
+    /// Another field of the summary.
+    Field(String),
+}
+
+impl Part {
+    /// By the place of a difference.
+    fn at(steps: &[Step]) -> Self {
+        match steps {
+            [Step::Field(verdict), Step::Field(status)] if verdict == "verdict" && status == "status" => Self::Status,
+            [Step::Field(list), Step::Element(id), ..] if list == "candidates" => Self::Candidate(id.clone()),
+            [Step::Field(field), ..] => Self::Field(field.clone()),
+            _ => Self::Field(String::new()),
+        }
+    }
+
+    /// Place in the table: the named candidates behind what they follow from, all other candidates last.
+    fn rank(&self, sides: [&Expected; 2]) -> usize {
+        let is_named = |id: &str| sides.iter().any(|side| named(&side.summary).any(|(_, own)| own == id));
+        let field = match self {
+            Self::Candidate(id) => return PARTS.len() + if is_named(id) { 0 } else { 2 },
+            Self::Status => "verdict",
+            Self::Interval => INTERVALS,
+            Self::Field(field) => field,
+        };
+        PARTS.iter().position(|part| *part == field).unwrap_or(PARTS.len() + 1)
+    }
 }
 
 impl Fact {
     /// Whether it stands above all numbers: the status, and what a run contradicts itself in.
     pub fn is_grave(&self) -> bool {
-        self.key == "verdict.status" || self.key.starts_with("remarks")
+        self.part == Part::Status || self.part == Part::Field("remarks".to_owned())
     }
 }
 
@@ -72,39 +111,52 @@ pub fn facts([a, b]: [&Expected; 2], rows: &[&Quantity], settings: &CompareSetti
     let [before, after] = [[a, b], [b, a]].map(|sides| decided_by(sides, is_earlier));
     let (report, limits) = compare_with_limits("summary.json", &before, &after, settings);
     let is_within = |difference: &Difference| {
-        let width = width_of_interval(&before, &difference.place).filter(|_| allows_intervals(settings));
+        let width = width_of_interval(&before, &difference.steps).filter(|_| allows_intervals(settings));
         let limit = limits.get(&difference.place).map_or(0.0, Limit::allowed);
         width.zip(difference.abs).is_some_and(|(width, abs)| abs <= limit.max(INTERVAL_SHARE * width))
     };
     let best = a.summary.recommended.as_ref().filter(|id| Some(*id) == b.summary.recommended.as_ref());
-    let in_rows =
-        best.map(|id| ["parameters.", "uncertainty.interval_"].map(|field| format!("candidates[{id}].{field}")));
-    let is_row = |place: &str| in_rows.iter().flatten().any(|start| place.starts_with(start.as_str()));
-    // Events repeat what the key numbers say, a deviation what the interval says.
-    let is_said = |place: &str| {
-        rows.iter().any(|row| match row.differs(1) || row.interval_differs(1) {
-            true => place.strip_prefix("events.").is_some_and(|event| is_event(event, &row.key)),
-            false => false,
-        })
+    let is_row = |steps: &[Step]| match steps {
+        [Step::Field(list), Step::Element(id), Step::Field(part), rest @ ..] if list == "candidates" => {
+            let is_interval = matches!(rest, [Step::Field(end), ..] if ENDS_OF_PARAMETERS.contains(&end.as_str()));
+            Some(id) == best && ((part == "parameters" && !rest.is_empty()) || (part == "uncertainty" && is_interval))
+        }
+        _ => false,
     };
+    // Events repeat what the key numbers say, a deviation what the interval says.
+    let is_said = |steps: &[Step]| match steps {
+        [Step::Field(events), event @ ..] if events == "events" => {
+            let moved = rows.iter().filter(|row| row.differs(1) || row.interval_differs(1));
+            moved.into_iter().any(|row| is_event(event, &row.key))
+        }
+        _ => false,
+    };
+    let is_deviation = |step: &Step| matches!(step, Step::Field(field) if field == "standard_deviation");
     let counts = |difference: &&Difference| {
-        let place = difference.place.as_str();
-        !is_row(place) && !place.contains(".standard_deviation") && !is_said(place) && !is_within(difference)
+        let steps = &difference.steps;
+        !is_row(steps) && !steps.iter().any(is_deviation) && !is_said(steps) && !is_within(difference)
     };
     let of_walk = report.differences.iter().filter(counts).flat_map(|difference| {
-        emptied(&before, &after, &difference.place).unwrap_or_else(|| {
+        emptied(&before, &after, difference).unwrap_or_else(|| {
             let values = [&difference.a, &difference.b].map(|value| shown(value.as_ref()));
-            vec![Fact { key: difference.place.clone(), values }]
+            vec![Fact { key: difference.place.clone(), values, part: Part::at(&difference.steps) }]
         })
     });
     let of_rows = rows.iter().filter(|row| row.interval_differs(1)).map(|row| Fact {
         key: format!("interval of {}", row.name),
         values: [0, 1].map(|run| row.interval(run).unwrap_or_else(|| ABSENT.to_owned())),
+        part: Part::Interval,
     });
     let mut all: Vec<Fact> = of_rows.chain(of_walk).collect();
-    all.sort_by_key(|fact| rank(&fact.key, [a, b]));
+    all.sort_by_key(|fact| fact.part.rank([a, b]));
     all
 }
+
+/// Where intervals of the numbers of the table stand among the parts.
+const INTERVALS: &str = "intervals of numbers";
+
+/// Maps of a candidate's uncertainty with the ends of the intervals of its parameters.
+const ENDS_OF_PARAMETERS: [&str; 2] = ["interval_low", "interval_high"];
 
 /// Parts of a summary, those that people look at first in front.
 const PARTS: [&str; 14] = [
@@ -112,7 +164,7 @@ const PARTS: [&str; 14] = [
     "limits",
     "test",
     "contact",
-    "interval of ",
+    INTERVALS,
     "key_numbers",
     "simplest",
     "closest",
@@ -124,34 +176,29 @@ const PARTS: [&str; 14] = [
     "metrics",
 ];
 
-/// Place of a fact in the table: the named candidates behind what they follow from, all other candidates last.
-fn rank(key: &str, sides: [&Expected; 2]) -> usize {
-    let is_named = |id: &str| sides.iter().any(|side| named(&side.summary).any(|(_, own)| own == id));
-    if let Some(candidate) = key.strip_prefix("candidates[") {
-        let id = candidate.split(']').next().unwrap_or_default();
-        return PARTS.len() + if is_named(id) { 0 } else { 2 };
-    }
-    PARTS.iter().position(|part| key.starts_with(part)).unwrap_or(PARTS.len() + 1)
-}
-
 /// The elements of a list that is empty on one side, in place of its length; `None`: the place is no such list.
-fn emptied(before: &Value, after: &Value, place: &str) -> Option<Vec<Fact>> {
-    let list = place.strip_suffix(" length").filter(|list| before[*list].is_array() || after[*list].is_array())?;
+fn emptied(before: &Value, after: &Value, difference: &Difference) -> Option<Vec<Fact>> {
+    let [Step::Field(list)] = &difference.steps[..] else { return None };
+    let list = Some(list.as_str()).filter(|_| difference.is_length)?;
     let sides = [before, after].map(|run| run[list].as_array().map_or(&[][..], Vec::as_slice));
     let is_empty = sides.iter().any(|side| side.is_empty());
     let name = |one: &Value| Some(format!("{list}[{}]", one["id"].as_str()?));
     let fact = |side: usize, one: &Value| {
         let mut values = [ABSENT.to_owned(), ABSENT.to_owned()];
         values[side] = shown(Some(one));
-        Some(Fact { key: name(one)?, values })
+        Some(Fact { key: name(one)?, values, part: Part::at(&difference.steps) })
     };
     let facts = (0..2).flat_map(|side| sides[side].iter().map(move |one| fact(side, one)));
     facts.collect::<Option<Vec<Fact>>>().filter(|_| is_empty)
 }
 
 /// Whether a place in the events is the value or the interval of a key number; events have the unit in their names.
-fn is_event(place: &str, key_number: &str) -> bool {
-    let name = place.strip_prefix("intervals[").map_or(place, |rest| rest.split(']').next().unwrap_or_default());
+fn is_event(steps: &[Step], key_number: &str) -> bool {
+    let name = match steps {
+        [Step::Field(list), Step::Element(name), ..] if list == "intervals" => name,
+        [Step::Field(name)] => name,
+        _ => return false,
+    };
     name.strip_prefix(key_number).is_some_and(|unit| ["", "_m", "_s", "_m_per_s"].contains(&unit))
 }
 
@@ -241,15 +288,13 @@ fn remarks(run: &Summary) -> Value {
     json!(all)
 }
 
-/// A prediction is of the mass of the test where both differ by no more than an engineer calls the same.
-const EQUAL_MASS: f64 = 5e-3;
-
 /// The predictions by what was asked, without the numbers of the rows.
 fn predictions(run: &Summary, is_earlier: bool) -> Value {
     let of_best = |id: &str| run.recommended.as_deref() == Some(id);
     // Earlier versions kept those of the recommended candidate alone.
     let kept = scenarios(run).into_iter().filter(|one| !is_earlier || of_best(&one.made.candidate));
-    let is_of_test = |mass_kg: f64| run.test.mass_kg.is_some_and(|own| (mass_kg - own).abs() <= EQUAL_MASS * own);
+    // A prediction is of the mass of the test where both differ by no more than an engineer calls the same.
+    let is_of_test = |mass_kg: f64| run.test.mass_kg.is_some_and(|own| (mass_kg - own).abs() <= SAME_SHARE * own);
     let one = |scenario: Scenario<'_>| {
         let mut value = json!(scenario.made);
         if of_best(&scenario.made.candidate) {
@@ -264,45 +309,6 @@ fn predictions(run: &Summary, is_earlier: bool) -> Value {
         with_id(value, scenario.id())
     };
     Value::from(kept.map(one).collect::<Vec<_>>())
-}
-
-/// A prediction of a run, called by what the choice names its candidate and by what was asked.
-pub struct Scenario<'a> {
-    /// `recommended`, or the candidate where it has no name.
-    role: &'a str,
-    /// `40.0 km/h`, `40.0 km/h against small car`.
-    pub asked: String,
-    /// The prediction.
-    pub made: &'a PredictionV1,
-}
-
-impl Scenario<'_> {
-    /// The same in every run: `recommended at 40.0 km/h`.
-    pub fn id(&self) -> String {
-        format!("{} at {}", self.role, self.asked)
-    }
-}
-
-/// The predictions of a run. Those of one speed and one partner are counted: their masses differ.
-pub fn scenarios(run: &Summary) -> Vec<Scenario<'_>> {
-    let mut seen: BTreeMap<(&str, String), usize> = BTreeMap::new();
-    let mut all = Vec::new();
-    for made in &run.predictions {
-        let role = named(run).find(|(_, id)| **id == made.candidate).map_or(made.candidate.as_str(), |(name, _)| name);
-        let asked = asked(made);
-        let count = seen.entry((role, asked.clone())).or_default();
-        *count += 1;
-        let asked = if *count == 1 { asked } else { format!("{asked}, number {count}") };
-        all.push(Scenario { role, asked, made });
-    }
-    all
-}
-
-fn asked(made: &PredictionV1) -> String {
-    let speed = words::quantity(KM_PER_H_PER_M_PER_S * made.impact_speed_m_per_s, 1, "km/h").replace('\u{a0}', " ");
-    let partner = made.partner.as_ref().map(|partner| format!(" against {partner}"));
-    let occupant = made.occupant.as_ref().map(|_| ", with an occupant".to_owned());
-    [Some(speed), partner, occupant].into_iter().flatten().collect()
 }
 
 fn with_id(mut value: Value, id: String) -> Value {
@@ -322,34 +328,39 @@ fn without_asides(value: &mut Value) {
     }
 }
 
-/// The width of the interval that a place is an end of.
-fn width_of_interval(run: &Value, place: &str) -> Option<f64> {
-    let other = [(".low", ".high"), (".interval_low.", ".interval_high.")].into_iter().find_map(|(low, high)| {
-        let [of_low, of_high] = [(low, high), (high, low)].map(|(this, that)| {
-            let at = place.rfind(this)?;
-            (this.ends_with('.') || at + this.len() == place.len()).then(|| place.replacen(this, that, 1))
-        });
-        of_low.or(of_high)
-    })?;
-    Some((number_at(run, place)? - number_at(run, &other)?).abs())
+/// The width of the interval that a place is an end of: `low` of `high`, or a parameter in `interval_low`.
+fn width_of_interval(run: &Value, steps: &[Step]) -> Option<f64> {
+    let [low, high] = ENDS_OF_PARAMETERS;
+    let last = steps.len().checked_sub(1)?;
+    let other_end = |(k, step): (usize, &Step)| {
+        let Step::Field(field) = step else { return None };
+        let other = match (field.as_str(), k == last) {
+            ("low", true) => "high",
+            ("high", true) => "low",
+            (end, false) if end == low => high,
+            (end, false) if end == high => low,
+            _ => return None,
+        };
+        Some((k, Step::Field(other.to_owned())))
+    };
+    let (k, other) = steps.iter().enumerate().rev().find_map(other_end)?;
+    let mut other_steps = steps.to_vec();
+    other_steps[k] = other;
+    Some((number_at(run, steps)? - number_at(run, &other_steps)?).abs())
 }
 
-/// The number at a place, as the walk calls it: `candidates[kelvin/closed-form/1].uncertainty.interval_low.mass_kg`.
-fn number_at(run: &Value, place: &str) -> Option<f64> {
-    let (mut value, mut rest) = (run, place);
-    while !rest.is_empty() {
-        rest = rest.trim_start_matches('.');
-        if let Some(inner) = rest.strip_prefix('[') {
-            let (label, behind) = inner.split_once(']')?;
-            let by_name = |one: &&Value| ["id", "name"].iter().any(|key| one[*key] == label);
-            let list = value.as_array()?;
-            value = list.iter().find(by_name).or_else(|| list.get(label.parse::<usize>().ok()?))?;
-            rest = behind;
-        } else {
-            let end = rest.find(['.', '[']).unwrap_or(rest.len());
-            value = value.get(&rest[..end])?;
-            rest = &rest[end..];
-        }
+/// The number at a place of the walk.
+fn number_at(run: &Value, steps: &[Step]) -> Option<f64> {
+    let mut value = run;
+    for step in steps {
+        value = match step {
+            Step::Field(field) => value.get(field)?,
+            Step::Index(index) => value.get(*index)?,
+            Step::Element(name) => {
+                let is_named = |one: &&Value| ["id", "name"].iter().any(|key| one[*key] == *name.as_str());
+                value.as_array()?.iter().find(is_named)?
+            }
+        };
     }
     value.as_f64()
 }

@@ -10,6 +10,7 @@ use serde_json::Value;
 
 use super::compared_run::ComparedRun;
 use super::numbers::number_rows;
+use super::quantities::engineering;
 use super::settings::record_of;
 use super::table::to_markdown;
 
@@ -39,7 +40,7 @@ pub fn first_screen(run: &ComparedRun, pipeline: Option<&str>, record: Option<&s
     }
     let one = std::slice::from_ref(run);
     let value = [texts.value.to_owned()];
-    let [numbers, models, _] = number_rows(one);
+    let [numbers, models, _] = number_rows(one, &engineering());
     for (heading, rows) in [(texts.key_numbers, numbers), (texts.model_for_predictions, models)] {
         if !rows.is_empty() {
             text.push_str(&format!("\n### {heading}\n\n{}", to_markdown("", &value, &rows)));

@@ -13,6 +13,7 @@ pub mod numbers;
 pub mod quantities;
 pub mod review;
 pub mod review_files;
+pub mod scenarios;
 pub mod settings;
 pub mod table;
 pub mod why;

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use crumple_diff::CompareSettings;
+
 use crate::drawing::numbers::ABSENT;
 use crate::findings::{CandidateResult, Summary, candidate_name};
 use crate::page::key_numbers::title;
@@ -9,14 +11,14 @@ use crate::phrases::PHRASES;
 use crate::phrases::words;
 
 use super::compared_run::ComparedRun;
-use super::quantities::{Group, Quantity, engineering, quantities};
+use super::quantities::{Group, Quantity, quantities};
 use super::table::{Cell, Row};
 
 /// The rows of the key numbers, of the recommended models and of the predictions: every number that a run has.
-/// What differs is beyond what an engineer calls the same. There are no rows of models where no run recommends one.
-pub fn number_rows(runs: &[ComparedRun]) -> [Vec<Row>; 3] {
+/// What differs is beyond these limits. There are no rows of models where no run recommends one.
+pub fn number_rows(runs: &[ComparedRun], settings: &CompareSettings) -> [Vec<Row>; 3] {
     let summaries: Vec<&Summary> = runs.iter().map(|run| &run.summary).collect();
-    let all = quantities(&summaries, &engineering());
+    let all = quantities(&summaries, settings);
     let of = |group: Group| all.iter().filter(move |quantity| quantity.group == group);
     let key_numbers = of(Group::KeyNumber).map(|quantity| Row { name: titles(runs, quantity), ..row(quantity) });
     let mut models = about_models(runs);

@@ -14,7 +14,7 @@ use crate::findings::{CandidateSummary, Summary, parameter, parameter_order};
 use crate::phrases::PHRASES;
 use crate::phrases::words::{self, fill};
 
-use super::facts::{Scenario, scenarios};
+use super::scenarios::{Scenario, scenarios};
 
 /// What a quantity is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -63,7 +63,7 @@ pub struct RunValue {
     /// Its interval.
     pub interval: Option<[Option<f64>; 2]>,
     /// Why it is in doubt.
-    pub doubt: Option<&'static str>,
+    pub doubt: Option<Doubt>,
     /// What stands before it.
     sign: &'static str,
     /// How far it may be from that of the first run.
@@ -88,13 +88,15 @@ fn interval_share(settings: &CompareSettings) -> f64 {
 
 impl Quantity {
     /// The distance of a run's number from that of the first run over the limit; above 1 it differs. Infinite where one
-    /// of both has none; 0 where such numbers are not compared.
+    /// of both has none, or alone determines it; 0 where such numbers are not compared.
     pub fn beyond(&self, run: usize) -> f64 {
         match (&self.values[0], &self.values[run]) {
             (Some(first), Some(own)) => {
                 let distance = (own.value - first.value).abs();
-                match own.limit {
-                    Some(limit) if distance > 0.0 => distance / limit.allowed(),
+                match (own.limit, first.doubt.is_some(), own.doubt.is_some()) {
+                    (None, ..) | (_, true, true) => 0.0,
+                    (_, before, after) if before != after => f64::INFINITY,
+                    (Some(limit), ..) if distance > 0.0 => distance / limit.allowed(),
                     _ => 0.0,
                 }
             }
@@ -135,15 +137,6 @@ impl Quantity {
         Some(words::between(&end(ends[0]), &end(ends[1])))
     }
 
-    /// The change over the limit, both as they are shown.
-    pub fn times(&self, run: usize) -> f64 {
-        let (Some(first), Some(own)) = (&self.values[0], &self.values[run]) else { return self.beyond(run) };
-        match own.limit.filter(|_| self.is_share(run) && first.value != 0.0) {
-            Some(limit) => ((own.value - first.value) / first.value).abs() / limit.tolerance.rel,
-            None => self.beyond(run),
-        }
-    }
-
     /// Whether a run's number lies in the interval of the first run; `None`: there is no such interval or number.
     pub fn is_within_interval(&self, run: usize) -> Option<bool> {
         let [low, high] = self.values[0].as_ref()?.interval?;
@@ -159,6 +152,16 @@ impl Quantity {
         )
     }
 
+    /// Whether a run has the number and does not determine it.
+    pub fn is_undetermined(&self, run: usize) -> bool {
+        self.values[run].as_ref().is_some_and(|own| own.doubt.is_some())
+    }
+
+    /// A run's number in the unit of people, or that the run does not determine it.
+    pub fn known(&self, run: usize) -> String {
+        if self.is_undetermined(run) { PHRASES.model.not_determined.to_owned() } else { self.shown(run) }
+    }
+
     fn number(&self, value: f64, more: usize) -> String {
         match self.digits {
             Digits::Decimals(decimals) => words::decimals(self.factor * value, decimals + more),
@@ -166,8 +169,12 @@ impl Quantity {
         }
     }
 
-    /// How far a run's number is from that of the first run: in percent where the limit is a share, else in its unit.
+    /// How far a run's number is from that of the first run: in percent where the limit is a share, else in its unit;
+    /// `None` where one of both has none or does not determine it.
     pub fn change(&self, run: usize) -> Option<String> {
+        if [0, run].into_iter().any(|run| self.is_undetermined(run)) {
+            return None;
+        }
         let (first, own) = (self.values[0].as_ref()?.value, self.values[run].as_ref()?);
         if self.is_share(run) && first != 0.0 {
             return Some(words::deviation(100.0 * (own.value - first) / first.abs(), 1, "%"));
@@ -204,7 +211,12 @@ impl Quantity {
     pub fn beside(&self, run: usize) -> String {
         let Some(own) = &self.values[run] else { return String::new() };
         let change = self.change(run).filter(|_| self.differs(run));
-        let known = own.doubt.map(str::to_owned).or_else(|| self.interval(run));
+        let texts = &PHRASES.model;
+        let doubt = own.doubt.map(|doubt| match doubt {
+            Doubt::OnBound => texts.on_a_bound,
+            Doubt::NotDetermined => texts.not_determined,
+        });
+        let known = doubt.map(str::to_owned).or_else(|| self.interval(run));
         change.into_iter().chain(known).collect::<Vec<_>>().join("; ")
     }
 }
@@ -284,15 +296,11 @@ fn parameters(runs: &[&Summary], settings: &CompareSettings) -> Vec<Quantity> {
             let record = models[k].as_ref()?;
             let known = record.uncertainty.as_ref();
             let ends = known.and_then(|known| Some((known.interval_low.get(name)?, known.interval_high.get(name)?)));
-            let texts = &PHRASES.model;
             let doubt = record.doubt(name);
             Some(RunValue {
                 value: *record.parameters.get(name)?,
                 interval: ends.map(|(low, high)| [*low, *high]),
-                doubt: doubt.map(|doubt| match doubt {
-                    Doubt::OnBound => texts.on_a_bound,
-                    Doubt::NotDetermined => texts.not_determined,
-                }),
+                doubt,
                 sign: "",
                 limit: limits[k].get(&format!("parameters.{name}")).copied(),
                 interval_share: if doubt.is_some() { f64::INFINITY } else { interval_share(settings) },

@@ -7,7 +7,7 @@ use crumple_diff::{Base, CompareSettings};
 use crate::drawing::numbers::ABSENT;
 use crate::findings::candidate_name;
 
-use super::causes::{ArtifactChanges, Cause, causes, unexplained};
+use super::causes::{ArtifactChanges, Cause, CauseKind, causes, unexplained};
 use super::expected::Expected;
 use super::facts::{Fact, facts};
 use super::quantities::{Group, Quantity, quantities};
@@ -55,9 +55,7 @@ impl Review {
         let with_interval = rows.iter().filter(|row| row.group != Group::Parameter || is_one_model);
         let facts = facts([a, b], &with_interval.collect::<Vec<_>>(), settings);
         rows.retain(|row| row.group == Group::KeyNumber || row.differs(1));
-        let detail = |row: &Quantity| row.group == Group::PredictedDetail;
-        rows.sort_by(|x, y| y.differs(1).cmp(&x.differs(1)).then(y.beyond(1).total_cmp(&x.beyond(1))));
-        rows.sort_by_key(|row| (!row.differs(1), detail(row)));
+        rows.sort_by(|x, y| y.beyond(1).total_cmp(&x.beyond(1)));
         let model = |side: &Expected| side.summary.recommended.as_deref().map(candidate_name);
         let models = [model(a), model(b)];
         if models[0] != models[1] {
@@ -113,6 +111,14 @@ impl Review {
         (!parts.is_empty()).then(|| format!("artifacts differ; {}", parts.join("; ")))
     }
 
+    /// That the record changed though it counts as the same, in one line; `None`: it did not change, or differs.
+    pub fn changed_within(&self) -> Option<String> {
+        let has_changed = !self.causes.is_empty() || self.artifacts != ArtifactChanges::default();
+        let because = self.causes.first().map_or_else(String::new, |cause| format!(" ({cause})"));
+        let text = format!("record {} changed{because}; every number is within its limit", self.name);
+        (has_changed && self.is_same()).then_some(text)
+    }
+
     /// What an earlier version did not keep of the accepted run, in one line.
     pub fn not_compared(&self) -> Option<&'static str> {
         self.is_earlier.then_some(
@@ -129,6 +135,9 @@ impl Review {
                 return "no option, record, program or artifact differs: the summary does".to_owned();
             }
             ([], _) => return "no option, record or program differs: the numerics do".to_owned(),
+            (causes, []) if causes.iter().all(|cause| cause.kind == CauseKind::Limit) => {
+                "no option, record or program differs".to_owned()
+            }
             (_, []) => "the rest follows".to_owned(),
             (_, stages) => format!("{} differs though all it is made from is the same", stages.join(", ")),
         };
@@ -202,7 +211,7 @@ impl Review {
         let room = most.saturating_sub(head.len() + 3);
         let or_absent = |text: Option<String>| text.unwrap_or_else(|| ABSENT.to_owned());
         let of_row = |row: &Quantity| {
-            [plain(&row.name), row.shown(0), row.shown(1), or_absent(row.change(1)), or_absent(row.limit(1))]
+            [plain(&row.name), row.known(0), row.known(1), or_absent(row.change(1)), or_absent(row.limit(1))]
         };
         let of_fact = |fact: &Fact| {
             let [before, after] = fact.values.each_ref().map(|value| shortened(value));
@@ -246,7 +255,6 @@ fn shortened(text: &str) -> String {
 pub mod tests {
     use std::borrow::Cow;
 
-    use super::super::causes::CauseKind;
     use super::super::quantities::engineering;
     use super::*;
     use crate::findings::{CandidateSummary, KeyNumber, StageRecord, Summary};

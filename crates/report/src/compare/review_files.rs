@@ -23,9 +23,8 @@ const LONGEST_BAR: f64 = 12.0;
 const MOST_OF_JSON: usize = 100_000;
 
 /// The comment for a merge request: first those that could not be compared, in a line each, then those that differ,
-/// each under its name, then the same ones in one line. `again` is the command that makes it, `accept` the one that
-/// takes the results.
-pub fn to_markdown(compared: &[Compared], again: &str, accept: &str) -> String {
+/// each under its name, then the same ones in one line.
+pub fn to_markdown(compared: &[Compared], commands: &Commands) -> String {
     let names: Vec<&str> = compared.iter().map(|one| one.name.as_str()).collect();
     let mut text = format!("<!-- crumple: {} -->\n", comment(&names.join(", ")));
     text.push_str(&without_review(compared));
@@ -33,7 +32,7 @@ pub fn to_markdown(compared: &[Compared], again: &str, accept: &str) -> String {
     let (same, others): (Vec<&Compared>, Vec<&Compared>) = compared.iter().partition(|one| one.is_same());
     for one in others {
         let Some((review, comparison)) = one.review() else { continue };
-        let sections = [true, false].map(|with_details| section(review, comparison, with_details));
+        let sections = [true, false].map(|with_details| section(review, comparison, with_details, commands));
         let section = sections.into_iter().find(|text| text.len() <= MOST_OF_ONE);
         // What comes behind is no longer than one section.
         match section.filter(|section| text.len() + section.len() < MOST - MOST_OF_ONE) {
@@ -50,11 +49,27 @@ pub fn to_markdown(compared: &[Compared], again: &str, accept: &str) -> String {
         notes.take(NAMED).for_each(|note| text.push_str(&note));
     }
     if same.len() < compared.len() {
-        let accept = accept.replace('`', "'");
-        text.push_str(&format!("To take the results of all records: `{accept}`, and commit what it writes.\n"));
+        let accept = quoted(&commands.accept);
+        text.push_str(&format!("To take the results of all records: {accept}, and commit what it writes.\n"));
     }
-    text.push_str(&format!("To compare again, after new runs: `{}`.\n", again.replace('`', "'")));
+    text.push_str(&format!("To compare again, after new runs: {}.\n", quoted(&commands.again)));
     text
+}
+
+/// What can be typed, as the comment names it.
+#[derive(Debug, Clone)]
+pub struct Commands {
+    /// Makes the comment again.
+    pub again: String,
+    /// Shows every difference.
+    pub all: String,
+    /// Takes the results.
+    pub accept: String,
+}
+
+/// A command in Markdown.
+fn quoted(command: &str) -> String {
+    format!("`{}`", command.replace('`', "'"))
 }
 
 /// Most records that are named in a line.
@@ -86,10 +101,10 @@ fn without_review(compared: &[Compared]) -> String {
 
 /// What is to be known of a record that is the same.
 fn aside(review: &Review) -> Option<String> {
-    let notes = [review.artifacts_line(), review.not_compared().map(str::to_owned)];
-    let notes: Vec<String> = notes.into_iter().flatten().collect();
-    let name = markdown(&review.name);
-    (!notes.is_empty()).then(|| format!("{name}: {}.\n\n", markdown(&notes.join("; "))))
+    let not_compared = review.not_compared().map(|note| format!("{}: {note}", review.name));
+    let notes = [review.changed_within(), review.artifacts_line(), not_compared];
+    let notes: Vec<String> = notes.into_iter().flatten().map(|note| arrows(&note)).collect();
+    (!notes.is_empty()).then(|| format!("{}.\n\n", capital(&notes.join("; "))))
 }
 
 /// A text inside of an HTML comment.
@@ -98,7 +113,7 @@ fn comment(text: &str) -> String {
 }
 
 /// What differs in one record; without its details where they are too long.
-fn section(review: &Review, comparison: &Comparison, with_details: bool) -> String {
+fn section(review: &Review, comparison: &Comparison, with_details: bool, commands: &Commands) -> String {
     let cause = match review.causes.first() {
         Some(cause) => {
             let place = cause.place.as_ref().map(|(file, line)| format!(" ({}:{line})", markdown(file)));
@@ -156,7 +171,7 @@ fn section(review: &Review, comparison: &Comparison, with_details: bool) -> Stri
         text.push_str("\n</details>\n");
     }
     if !with_details && !rest.is_empty() {
-        text.push_str(&format!("\nAnd {} more: `crumple diff --all`.\n", rest.len()));
+        text.push_str(&format!("\nAnd {} more: {}.\n", rest.len(), quoted(&commands.all)));
     }
     text.push('\n');
     text
@@ -172,9 +187,13 @@ fn in_files(review: &Review, comparison: &Comparison) -> Option<String> {
 }
 
 fn sentence(text: &str) -> String {
+    capital(&markdown(text))
+}
+
+fn capital(text: &str) -> String {
     let mut letters = text.chars();
     let first = letters.next().map(|first| first.to_uppercase().to_string()).unwrap_or_default();
-    markdown(&format!("{first}{}", letters.as_str()))
+    format!("{first}{}", letters.as_str())
 }
 
 /// A text with before and after, for Markdown.
@@ -192,19 +211,20 @@ fn change(row: &Quantity) -> String {
 
 /// A row of the table; a block of the bar is a limit.
 fn table_row(row: &Quantity) -> String {
-    let (times, mark) = (row.times(1), if row.differs(1) { "**" } else { "" });
+    let (times, mark) = (row.beyond(1), if row.differs(1) { "**" } else { "" });
     let bar = "█".repeat(times.min(LONGEST_BAR) as usize);
-    let times = if times.is_finite() {
-        format!("{bar} {times:.1}").trim_start().to_owned()
-    } else {
-        "on one side only".to_owned()
+    let times = match times {
+        times if times.is_finite() => format!("{bar} {times:.1}").trim_start().to_owned(),
+        _ if [0, 1].iter().any(|side| row.is_undetermined(*side)) => "determined on one side only".to_owned(),
+        _ if row.values.iter().all(Option::is_some) => "beyond a limit of 0".to_owned(),
+        _ => "on one side only".to_owned(),
     };
     let limit = row.limit(1).unwrap_or_else(|| ABSENT.to_owned());
     format!(
         "| {mark}{}{mark} | {} | {mark}{}{mark} | {} | {limit} | {times} |\n",
         name(row),
-        markdown(&row.shown(0)),
-        markdown(&row.shown(1)),
+        markdown(&row.known(0)),
+        markdown(&row.known(1)),
         change(row)
     )
 }
@@ -275,7 +295,7 @@ fn cases_of(review: &Review, comparison: &Comparison) -> Vec<Case> {
             Group::Prediction | Group::PredictedDetail => "predictions",
         };
         let limit = row.limit(1).unwrap_or_else(|| ABSENT.to_owned());
-        let problem = format!("{} -> {}, {}, limit {limit}", row.shown(0), row.shown(1), change(row));
+        let problem = format!("{} -> {}, {}, limit {limit}", row.known(0), row.known(1), change(row));
         cases.push((group, row.key.clone(), differs(row.differs(1).then_some(problem))));
     }
     for fact in &review.facts {
@@ -317,7 +337,7 @@ pub fn to_github(compared: &[Compared]) -> String {
         };
         let place = review.causes.iter().find_map(|cause| cause.place.as_ref());
         let place = place.map_or_else(String::new, |(file, line)| format!("file={},line={line},", property(file)));
-        let of_rows = review.differing().map(|row| format!("{} {} -> {}", row.name, row.shown(0), row.shown(1)));
+        let of_rows = review.differing().map(|row| format!("{} {} -> {}", row.name, row.known(0), row.known(1)));
         let of_facts = review.facts.iter().map(|fact| format!("{} {}", fact.key, fact.values.join(" -> ")));
         let said: Vec<String> = of_rows.chain(of_facts).collect();
         let more = said.len().saturating_sub(OF_ANNOTATION);
@@ -336,8 +356,9 @@ pub fn to_json(compared: &[Compared], all: bool) -> Value {
     let row = |row: &Quantity| {
         let side = |k: usize| row.values[k].as_ref().map(|own| own.value);
         let beyond = Some(row.beyond(1)).filter(|x| x.is_finite());
+        let determined = [0, 1].map(|side| !row.is_undetermined(side));
         json!({"group": row.group, "name": row.key, "from": side(0), "to": side(1), "beyond": beyond,
-            "differs": row.differs(1), "within_interval": row.is_within_interval(1)})
+            "determined": determined, "differs": row.differs(1), "within_interval": row.is_within_interval(1)})
     };
     let fact = |fact: &Fact| json!({"name": fact.key, "from": fact.values[0], "to": fact.values[1]});
     let summary = |one: &Compared| match one.review() {
@@ -399,6 +420,11 @@ mod tests {
         Compared { name: name.to_owned(), outcome: Outcome::Reviewed(review, comparison) }
     }
 
+    fn commands() -> Commands {
+        let again = "crumple diff expected runs".to_owned();
+        Commands { all: format!("{again} --all"), again, accept: "crumple accept runs".to_owned() }
+    }
+
     fn peak(cfc: u16, value: f64, stiffness: &[f64]) -> Expected {
         made(cfc, &[("peak_acceleration", value, "m/s^2"), ("dynamic_crush", 0.45, "m")], stiffness)
     }
@@ -407,7 +433,7 @@ mod tests {
     fn the_comment_names_the_cause_and_what_changed_and_says_how_to_take_it() {
         let (a, b) = (peak(60, 175.0, &[1e5]), peak(180, 180.0, &[1e5]));
         let compared = [reviewed("rigid", review(&a, &b), ""), reviewed("kelvin", review(&a, &a), "")];
-        let text = to_markdown(&compared, "crumple diff expected runs", "crumple accept runs").replace('\u{a0}', " ");
+        let text = to_markdown(&compared, &commands()).replace('\u{a0}', " ");
         insta::assert_snapshot!(text, @"
         <!-- crumple: rigid, kelvin -->
         ### Record rigid: results changed
@@ -431,17 +457,40 @@ mod tests {
     }
 
     #[test]
+    fn a_comment_says_what_decides_the_farthest_first_and_what_a_record_does_not_determine() {
+        let numbers = |peak, crush| [("peak_acceleration", peak, "m/s^2"), ("dynamic_crush", crush, "m")];
+        let (a, mut b) = (made(60, &numbers(100.0, 0.45), &[1e5]), made(60, &numbers(200.0, 0.46), &[3e5]));
+        let loose = json!({"method": "linearised", "standard_deviation": {"k1_n_per_m": 1e6},
+            "interval_low": {"k1_n_per_m": null}, "interval_high": {"k1_n_per_m": null}});
+        b.summary.candidates[0].uncertainty = serde_json::from_value(loose).unwrap();
+        let text = to_markdown(&[reviewed("rigid", review(&a, &b), "")], &commands()).replace('\u{a0}', " ");
+        let rows: Vec<&str> = text.lines().filter(|line| line.starts_with("| **")).collect();
+        assert!(rows[0].contains("| **not determined** | – |") && rows[0].contains("on one side only"), "{text}");
+        // Half of the larger value over 0.5 % of it; 10 mm over 1 mm.
+        assert!(rows[1].contains("Peak") && rows[1].ends_with("| ████████████ 100.0 |"), "{text}");
+        assert!(rows[2].contains("Dynamic crush") && rows[2].ends_with("| ██████████ 10.0 |"), "{text}");
+        // A record that changed within the limits is named.
+        let near = made(60, &numbers(100.1, 0.45), &[1e5]);
+        let mut near = Expected { record: ["crash.csv".into(), "blake3:ffffffffff".into()], ..near };
+        near.stages[1].digest = "other".into();
+        let text = to_markdown(&[reviewed("rigid", review(&a, &near), "")], &commands());
+        let named =
+            "Record rigid changed (record crash.csv (0123456789) → crash.csv (ffffffffff)); every number is within";
+        assert!(text.contains(named), "{text}");
+    }
+
+    #[test]
     fn a_comment_stays_below_its_size_and_no_text_of_a_record_is_markdown() {
         let many = |x: f64| (0..300).map(|k| x * f64::from(k + 1)).collect::<Vec<f64>>();
         let (a, mut b) = (peak(60, 175.0, &many(1e5)), peak(180, 180.0, &many(2e5)));
         b.record = ["@team <b>|\n`x`-->.csv".into(), "blake3:other".into()];
         let one = || reviewed("a|b <!-- @x", review(&a, &b), "");
-        let text = to_markdown(&[one()], "crumple diff a b", "crumple accept runs");
+        let text = to_markdown(&[one()], &commands());
         assert!(text.len() < MOST_OF_ONE, "{} characters", text.len());
         assert_eq!(text.matches("-->").count(), 1, "{text}");
         assert!(!text.contains("<b>") && !text.contains("@x") && !text.contains("@team"), "{text}");
         let all: Vec<Compared> = (0..30).map(|_| one()).collect();
-        let all = to_markdown(&all, "crumple diff a b", "crumple accept runs");
+        let all = to_markdown(&all, &commands());
         assert!(all.len() < MOST && all.contains("Too long for a comment"), "{}", all.len());
     }
 
@@ -477,7 +526,7 @@ mod tests {
         let junit = to_junit(&compared);
         assert_eq!((junit.matches("<error ").count(), junit.matches("<failure ").count()), (2, 1), "{junit}");
         assert!(junit.contains("type=\"refused\"") && junit.contains("tests=\"1\" failures=\"0\" errors=\"1\""));
-        let text = to_markdown(&compared, "crumple diff expected runs", "crumple accept runs");
+        let text = to_markdown(&compared, &commands());
         insta::assert_snapshot!(text.replace('\u{200b}', ""), @r"
         <!-- crumple: a, b, c, d -->
         ### 3 of 4 records not compared

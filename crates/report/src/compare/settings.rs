@@ -5,9 +5,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::drawing::numbers::ABSENT;
 use crate::findings::{StageRecord, record_name};
 use crate::phrases::PHRASES;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::compared_run::ComparedRun;
+use super::expected::Limits;
 use super::table::Row;
 
 /// The rows: record and pipeline always, then what differs.
@@ -23,7 +24,7 @@ pub fn rows(runs: &[ComparedRun]) -> Vec<Row> {
     let made_with = |run: &ComparedRun| {
         let stages = &run.run.provenance;
         let programs = programs_of(stages).into_iter().map(|(stage, by)| (format!("{stage}.version"), by));
-        programs.chain(settings_of(stages)).collect()
+        programs.chain(settings_of(stages)).chain(limits_of(&run.limits)).collect()
     };
     let settings: Vec<BTreeMap<String, String>> = runs.iter().map(made_with).collect();
     let names: BTreeSet<&String> = settings.iter().flat_map(BTreeMap::keys).collect();
@@ -72,6 +73,13 @@ pub fn options_of(stages: &BTreeMap<String, Value>) -> BTreeMap<String, String> 
     let mut options = BTreeMap::new();
     stages.iter().for_each(|(stage, value)| flatten(stage, value, &mut options));
     options
+}
+
+/// `limits.PATTERN.abs` and the value of every limit of a pipeline.
+pub fn limits_of(limits: &Limits) -> BTreeMap<String, String> {
+    let mut flat = BTreeMap::new();
+    flatten("limits", &json!(limits), &mut flat);
+    flat
 }
 
 fn flatten(place: &str, value: &Value, settings: &mut BTreeMap<String, String>) {

@@ -15,6 +15,8 @@ pub struct Divided {
     pub numbers: Vec<DividedNumber>,
     /// Numbers beyond their limit that a run with some of the causes does not have: they cannot be divided.
     pub undivided: Vec<String>,
+    /// Parameters beyond their limit that a run does not determine: their values are one of many, and have no causes.
+    pub undetermined: Vec<String>,
 }
 
 /// The change of one number in parts.
@@ -74,6 +76,10 @@ impl Divided {
         if !self.undivided.is_empty() {
             let names = self.undivided.join(", ");
             lines.push(format!("not divided, since a run with some of the causes does not have it: {names}"));
+        }
+        if !self.undetermined.is_empty() {
+            let (count, names) = (counted(self.undetermined.len(), "parameter"), self.undetermined.join(", "));
+            lines.push(format!("not divided, since a run does not determine them: {count}, {names}"));
         }
         lines
     }

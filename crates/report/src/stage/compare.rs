@@ -14,6 +14,7 @@ use crumple_stage::{
 };
 
 use super::gather::gather;
+use super::results::limits_of;
 use super::run_folders::address;
 
 /// Reads run folders and writes the page that compares them, and its tables as Markdown where asked for.
@@ -31,11 +32,12 @@ pub fn compare(folders: &[PathBuf], page: &Path, markdown: Option<&Path>, quiet:
         let note = Some(folder.join(Pipeline::OF_A_RUN)).filter(|note| note.is_file());
         let pipeline = note.map(|note| Pipeline::read(&note, None)).transpose()?;
         let mut run = gather(&load_artifacts(&artifacts)?.input, pipeline.as_ref())?;
+        let limits = pipeline.as_ref().map(limits_of).unwrap_or_default();
         run.pipeline = pipeline.and_then(|pipeline| pipeline.name().map(str::to_owned));
         let report = address(page, &folder.join("report.html"));
-        runs.push(ComparedRun::new(name, report, run));
+        runs.push(ComparedRun { limits, ..ComparedRun::new(name, report, run) });
     }
-    let comparison = RunComparison::new(&runs);
+    let comparison = RunComparison::new(&runs)?;
     write(page, OutputKind::Report, &comparison.to_html())?;
     if let Some(path) = markdown {
         let named = folders.iter().map(PathBuf::as_path);

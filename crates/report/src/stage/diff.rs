@@ -20,7 +20,7 @@ use super::run_folders::FoundRun;
 use crate::compare::compared::{Compared, Outcome, Trouble, TroubleKind};
 use crate::compare::first_screen::shell_word;
 use crate::compare::review::Review;
-use crate::compare::review_files::{to_github, to_json, to_junit, to_markdown};
+use crate::compare::review_files::{Commands, to_github, to_json, to_junit, to_markdown};
 use crate::compare::why::Divided;
 
 /// Lines on a terminal, but for `--all`.
@@ -115,7 +115,7 @@ fn word(path: &Path) -> String {
 }
 
 impl Args {
-    /// The command that makes the Markdown again.
+    /// The command without what it writes.
     fn again(&self) -> String {
         let mut words = vec![program("diff"), word(&self.a), word(&self.b)];
         let switches = [(self.rounding, "--rounding"), (self.exact, "--exact"), (self.bits, "--bits")];
@@ -123,9 +123,8 @@ impl Args {
         for (flag, value) in [("--abs", self.abs), ("--rel", self.rel)] {
             words.extend(value.map(|value| format!("{flag} {value}")));
         }
-        for (flag, path) in [("--tolerance", &self.tolerance), ("--markdown", &self.markdown)] {
-            words.extend(path.as_ref().map(|path| format!("{flag} {}", word(path))));
-        }
+        words.extend(self.tolerance.as_ref().map(|path| format!("--tolerance {}", word(path))));
+        words.extend(self.provenance.then(|| "--provenance".to_owned()));
         words.join(" ")
     }
 }
@@ -304,8 +303,13 @@ fn unreadable(error: anyhow::Error) -> Trouble {
 /// Writes the files that are asked for.
 fn write_files(args: &Args, compared: &[Compared], divided: Option<&Divided>) -> anyhow::Result<()> {
     if let Some(path) = &args.markdown {
-        let accept = format!("crumple accept {}", word(&args.b));
-        write(path, OutputKind::Markdown, &to_markdown(compared, &args.again(), &accept))?;
+        let again = args.again();
+        let commands = Commands {
+            all: format!("{again} --all"),
+            again: format!("{again} --markdown {}", word(path)),
+            accept: format!("crumple accept {}", word(&args.b)),
+        };
+        write(path, OutputKind::Markdown, &to_markdown(compared, &commands))?;
     }
     if let Some(path) = &args.junit {
         write(path, OutputKind::Junit, &to_junit(compared))?;

@@ -10,14 +10,14 @@ use crumple_artifact::{Artifact, WAVE_PREFIX};
 use crumple_diff::{
     CompareSettings, DiffError, FileReport, Side as OnlyIn, compare_artifacts, compare_json, open_candidates,
 };
-use crumple_stage::{Pipeline, chain, refuse_a_mixture};
+use crumple_stage::{Pipeline, chain, refuse_a_mixture, sidecar_of};
 use serde_json::{Value, json};
 
 use super::gather::stage_record;
 use super::run_folders::{FoundRun, SUMMARY, is_json, name_of, read_json, results_in, runs_below};
 use crate::Summary;
-use crate::compare::causes::line_of;
-use crate::compare::expected::Expected;
+use crate::compare::causes::{LIMITS, line_of};
+use crate::compare::expected::{Expected, Limits};
 
 /// One side of a comparison.
 pub struct Side {
@@ -65,11 +65,12 @@ impl Side {
                 artifacts.push(artifact);
             }
         }
-        if let Ok(own) = Pipeline::read(&path.join(Pipeline::OF_A_RUN), None) {
+        let own = path.join(Pipeline::OF_A_RUN);
+        if own.is_file() {
+            let own = Pipeline::read(&own, None)?;
             kept.stages.iter_mut().for_each(|record| record.name_program(&own));
             kept.options = options_of(&own);
-            let limits = own.limits().into_iter().flatten();
-            kept.limits = limits.map(|(pattern, limit)| (pattern.clone(), json!(limit))).collect();
+            kept.limits = limits_of(&own);
         }
         let of_run = path.join(SUMMARY);
         if of_run.is_file() {
@@ -82,6 +83,11 @@ impl Side {
     pub fn refuse_a_mixture(&self) -> anyhow::Result<()> {
         refuse_a_mixture(&self.artifacts, |artifact| artifact.path().display().to_string())
     }
+}
+
+/// The limits within which a pipeline says that its runs are the same.
+pub fn limits_of(pipeline: &Pipeline) -> Limits {
+    pipeline.limits().into_iter().flatten().map(|(pattern, limit)| (pattern.clone(), json!(limit))).collect()
 }
 
 /// The options of a run by stage, with what was typed for each.
@@ -106,6 +112,10 @@ pub fn place_of(folder: &Path, stage: &str, key: &str) -> Option<(String, usize)
     let in_file = |path: &Path, line: usize| (path.display().to_string(), line);
     if stage == "test" {
         return place_of_test(&pipeline, key).or_else(|| Some(in_file(&own, line_of(&text, "run.flags", "ingest")?)));
+    }
+    if stage == LIMITS {
+        let states = |line: &str| line.contains(&format!("\"{key}\""));
+        return Some(in_file(&own, text.lines().position(states)? + 1));
     }
     if let what @ ("flags" | "program") = key {
         return Some(in_file(&own, line_of(&text, &format!("run.{what}"), stage)?));
@@ -138,9 +148,7 @@ fn place_of_test(pipeline: &Pipeline, field: &str) -> Option<(String, usize)> {
         return None;
     }
     let record = PathBuf::from(pipeline.record()?);
-    let mut beside = record.clone().into_os_string();
-    beside.push(".toml");
-    [PathBuf::from(beside), record].into_iter().find_map(|file| {
+    [sidecar_of(&record), record].into_iter().find_map(|file| {
         let mut head = String::new();
         fs::File::open(&file).ok()?.take(HEAD.1).read_to_string(&mut head).ok()?;
         let states = |line: &str| {

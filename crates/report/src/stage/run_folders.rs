@@ -14,6 +14,8 @@ use crate::OF_SEVERAL_TESTS;
 use crate::compare::expected::Expected;
 
 pub const SUMMARY: &str = "summary.json";
+/// The folder of all runs of a project.
+const OF_RUNS: &str = "runs";
 
 /// A run, or what was accepted of one.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -137,8 +139,12 @@ pub fn name_of(path: &Path) -> String {
             return format!("{record}-{}", variant.replace('/', "-"));
         }
     }
-    let last = if typed.len() > 1 { &typed[typed.len() - 2..] } else { &whole[whole.len().saturating_sub(1)..] };
-    last.join("-")
+    match &typed[..] {
+        // `runs/mine`: the folder of all runs says nothing of this one.
+        [.., of_runs, own] if of_runs == OF_RUNS => own.clone(),
+        [.., above, own] => format!("{above}-{own}"),
+        _ => whole.last().cloned().unwrap_or_default(),
+    }
 }
 
 pub fn is_json(path: &Path) -> bool {
@@ -209,6 +215,7 @@ mod tests {
             ("runs/fleet/t/runs/c/default,filter.cfc=60", "default"),
             ("runs/fleet/t/runs/c/default,filter.cfc=180", "default"),
             ("runs/d/mine", "default"),
+            ("runs/o1", "default"),
         ]);
         let expected = [
             "a-papers-civic",
@@ -216,6 +223,7 @@ mod tests {
             "c-default,filter.cfc=180",
             "c-default,filter.cfc=60",
             "d-mine",
+            "o1",
             "v1.2",
             "v1.3",
         ];

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crumple_stage::{Refused, is_shared_flag};
 
-use crate::command::Options;
+use crate::command::{OWN_BEHIND_RECORD, Options};
 use crate::recipe::{Typed, flag_name, grouped};
 use crate::words::Words;
 
@@ -53,16 +53,14 @@ fn has_its_words(group: &[String], stage: &str) -> bool {
     let long = flag_name(group).trim_start_matches('-');
     let ingest = (crumple_ingest::PROGRAM.command)();
     let of_run = <Options as clap::CommandFactory>::command();
-    let is_of_run = OF_RECORD.contains(&long) || of_run.get_arguments().any(|arg| arg.get_long() == Some(long));
+    let is_taken = OWN_BEHIND_RECORD.iter().any(|(flag, _)| *flag == flag_name(group));
+    let is_of_run = is_taken || of_run.get_arguments().any(|arg| arg.get_long() == Some(long));
     let own = ingest.get_arguments().find(|arg| arg.get_long() == Some(long)).filter(|_| !is_of_run);
     own.is_some_and(|arg| {
         let takes_word = arg.get_action().takes_values() && !is_whole && !arg.is_require_equals_set();
         group.len() == 1 + usize::from(takes_word)
     })
 }
-
-/// Flags that a run takes from among those behind the record.
-const OF_RECORD: [&str; 2] = ["set", "stage"];
 
 #[cfg(test)]
 mod tests {

@@ -89,7 +89,7 @@ impl Repeated<'_> {
             let is_needed = item.role == Role::Input || item.name == Pipeline::OF_A_RUN;
             let most = if is_needed && !is_record { TEXT_LIMIT } else { FILE_LIMIT };
             let place = item.place();
-            let (size, digest) = if is_needed {
+            let copied = if is_needed {
                 refuse_path_that_leaves(self.crate_path(), &place)?;
                 let path = self.folder.join(&place);
                 let parent = path.parent().unwrap_or(self.folder);
@@ -99,13 +99,28 @@ impl Repeated<'_> {
             } else {
                 files.copy(&place, item.size.unwrap_or(most).min(most), &mut io::sink())?
             };
-            if item.bytes.as_ref() != Some(&digest) || item.size.is_some_and(|stated| stated != size) {
-                let stated = item.bytes.as_deref().unwrap_or("no digest");
-                let found = format!("{place} is not what the crate states: {digest}, {size} bytes");
-                return Err(damaged(self.crate_path(), found).expected(format!("{stated}, as {METADATA} says")).into());
+            let is_stated = |(size, digest): &(u64, String)| {
+                item.bytes.as_ref() == Some(digest) && item.size.is_none_or(|stated| stated == *size)
+            };
+            if !copied.as_ref().is_some_and(is_stated) {
+                return Err(self.changed(item, copied).into());
             }
         }
         Ok(())
+    }
+
+    /// A file that is not what the crate states, with its size and digest where it is not larger.
+    fn changed(&self, item: &Item, copied: Option<(u64, String)>) -> Refused {
+        let stated = item.size.map_or_else(String::new, |size| format!(", {size} bytes"));
+        let now = match copied {
+            Some((size, digest)) => format!("it is {digest}, {size} bytes"),
+            None => format!("it has more than its {} bytes", item.size.unwrap_or(FILE_LIMIT)),
+        };
+        let what = format!("{} was changed after the crate was made: {now}", item.place());
+        let hint = "ask who made it for another copy; of a run of your own, make it again: crumple passport RUN";
+        damaged(self.crate_path(), what)
+            .expected(format!("{}{stated}, as {METADATA} says", item.bytes.as_deref().unwrap_or("no digest")))
+            .hint(hint)
     }
 
     /// The pipeline of the crate, and how a run is told it, such that it has the name that the first run had.
@@ -114,7 +129,7 @@ impl Repeated<'_> {
         let refused = |error: anyhow::Error| damaged(self.crate_path(), error);
         let pipeline = Pipeline::read(&unpacked, None).map_err(refused)?;
         let (name, file) = (pipeline.name().unwrap_or("default").to_owned(), pipeline.file());
-        let (place, told) = if file.starts_with("pipelines/") {
+        let (place, told) = if pipeline.is_named() {
             (format!("pipelines/{name}.toml"), OsString::from(&name))
         } else {
             let file = Path::new(&file).file_name().unwrap_or_default().to_string_lossy().into_owned();

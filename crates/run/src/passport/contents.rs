@@ -67,11 +67,6 @@ impl Contents {
     }
 }
 
-/// The name of the file of options beside a record.
-pub(crate) fn sidecar_of(record: &str) -> String {
-    format!("{record}.toml")
-}
-
 /// Errors: a path that leaves the folder that it is in.
 pub(crate) fn refuse_path_that_leaves(file: &Path, path: &str) -> Result<(), Refused> {
     let is_normal = |part| matches!(part, std::path::Component::Normal(_));

@@ -110,12 +110,20 @@ impl CrateFiles {
     /// A file of text.
     pub(crate) fn text(&mut self, place: &str, limit: u64) -> Result<String, Refused> {
         let mut bytes = Vec::new();
-        self.copy(place, limit, &mut bytes)?;
+        if self.copy(place, limit, &mut bytes)?.is_none() {
+            return Err(damaged(self.path(), format!("{place} has more than the {limit} bytes that it may have")));
+        }
         String::from_utf8(bytes).map_err(|_| damaged(self.path(), format!("{place} is no text in UTF-8")))
     }
 
-    /// Copies a file of at most so many bytes; its size and its digest. What an archive claims reserves nothing.
-    pub(crate) fn copy(&mut self, place: &str, limit: u64, to: &mut dyn Write) -> Result<(u64, String), Refused> {
+    /// Copies a file of at most so many bytes; its size and its digest, `None` where it has more. What an archive
+    /// claims reserves nothing.
+    pub(crate) fn copy(
+        &mut self,
+        place: &str,
+        limit: u64,
+        to: &mut dyn Write,
+    ) -> Result<Option<(u64, String)>, Refused> {
         let crate_path = self.path().to_owned();
         let cannot = |error: &dyn std::fmt::Display| damaged(&crate_path, format!("{place} cannot be read: {error}"));
         refuse_path_that_leaves(&crate_path, place)?;
@@ -127,11 +135,11 @@ impl CrateFiles {
         loop {
             let count = reader.read(&mut piece).map_err(|error| cannot(&error))?;
             if count == 0 {
-                return Ok((size, format!("blake3:{}", hasher.finalize())));
+                return Ok(Some((size, format!("blake3:{}", hasher.finalize()))));
             }
             size += count as u64;
             if size > limit {
-                return Err(damaged(&crate_path, format!("{place} has more than the {limit} bytes that it may have")));
+                return Ok(None);
             }
             hasher.update(&piece[..count]);
             to.write_all(&piece[..count]).map_err(|error| cannot(&error))?;

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crumple_stage::{Pipeline, Refused, chain};
+use crumple_stage::{Pipeline, Refused, chain, sidecar_of};
 use serde_json::{Map, Value, json};
 
-use super::contents::{Contents, Item, Role, damaged, sidecar_of};
+use super::contents::{Contents, Item, Role, damaged};
 
 /// Name of the file.
 pub(crate) const METADATA: &str = "ro-crate-metadata.json";
@@ -254,7 +254,7 @@ pub(crate) fn read(file: &Path, text: &str) -> Result<Contents, Refused> {
     let mut pipeline = item(&by_id, workflow, Role::Own).ok_or_else(|| lacks("does not name the pipeline"))?;
     Pipeline::OF_A_RUN.clone_into(&mut pipeline.name);
     let names: Vec<&str> = inputs.iter().map(|input| input.name.as_str()).collect();
-    let is_sidecar = |name: &str| names.iter().any(|other| sidecar_of(other) == name);
+    let is_sidecar = |name: &str| names.iter().any(|other| sidecar_of(other) == Path::new(name));
     let (sidecars, mut records): (Vec<Item>, Vec<Item>) =
         inputs.iter().cloned().partition(|input| is_sidecar(&input.name));
     let (Some(record), None, 0..=1) = (records.pop(), records.pop(), sidecars.len()) else {

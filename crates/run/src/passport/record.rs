@@ -4,10 +4,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crumple_ingest::{Bundle, RecordDigests};
-use crumple_stage::Refused;
 use crumple_stage::records::SourceV1;
+use crumple_stage::{Refused, sidecar_of};
 
-use super::contents::{Item, Role, sidecar_of};
+use super::contents::{Item, Role};
 use super::crate_files::is_zip;
 use crate::program::digest_of;
 
@@ -53,10 +53,10 @@ impl Record {
         };
         let item = input(source.name.clone(), single, &source.digest, with_record);
         // Options are no samples: the file goes in, as the pipeline does.
-        let beside = single.map(|path| PathBuf::from(sidecar_of(&path.display().to_string())));
+        let beside = single.map(sidecar_of);
         let is_same = |path: &PathBuf| digest_of(path).as_deref() == sidecar;
         let sidecar_path = beside.filter(is_same);
-        let name = sidecar_of(&source.name);
+        let name = sidecar_of(&source.name).display().to_string();
         // Without them nobody can run it again.
         let is_of_several_files = same.is_some() && single.is_none();
         if sidecar.is_some() && sidecar_path.is_none() && !is_of_several_files {

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use crumple_report::name_of_cause;
 use crumple_stage::chain;
 
 use crate::recipe::{Flags, Recipe, flag_name};
@@ -34,13 +35,23 @@ pub(super) struct Cause {
 #[derive(Debug)]
 pub(super) struct Causes(Vec<Cause>);
 
+/// The place of a stage in the chain.
+pub(super) fn place_in_chain(stage: &str) -> usize {
+    chain().position(|known| known.name == stage).unwrap_or(0)
+}
+
 impl Causes {
     /// All that differs, each by itself.
     pub(super) fn between<'a>(a: &'a Recipe, b: &'a Recipe) -> Self {
-        let place = |stage: &str| chain().position(|known| known.name == stage).unwrap_or(0);
-        let mut all = Vec::new();
-        let mut add =
-            |name: String, stage: &str, what: What| all.push(Cause { name, stage: place(stage), what: vec![what] });
+        let mut all: Vec<Cause> = Vec::new();
+        // What is typed for a run and what its pipeline states is one cause.
+        let mut add = |name: String, stage: &str, what: What| {
+            let name = name_of_cause(&name);
+            match all.iter_mut().find(|cause| cause.name == name) {
+                Some(cause) => cause.what.push(what),
+                None => all.push(Cause { name, stage: place_in_chain(stage), what: vec![what] }),
+            }
+        };
         if a.made_from != b.made_from {
             add("record".to_owned(), "ingest", What::Record);
         }

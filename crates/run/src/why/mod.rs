@@ -10,14 +10,18 @@ use std::thread;
 
 use anyhow::Context;
 use crumple_report::{CompareSettings, Divided, DividedNumber, Group, Quantity, Summary, quantities};
-use crumple_stage::{ExitStatus, Pipeline, Usage, chain};
+use crumple_stage::{ExitStatus, Pipeline, Usage, chain, program};
 
 use crate::recipe::{Recipe, made_from};
-use causes::Causes;
+use crate::words::Words;
+use causes::{Causes, place_in_chain};
 use shapley::shares;
 
 /// Causes that are told apart: all their sets come to 2^4 runs, two of which are made already.
 const MOST: usize = 4;
+
+/// The stage that takes most of the time of a run.
+const MODELS: &str = "parameter-solve";
 
 /// The change between two runs in parts.
 ///
@@ -27,7 +31,9 @@ const MOST: usize = 4;
 /// Errors: a folder that does not say how it was made, a record that is not at hand or another one by now, programs of
 /// another version.
 pub fn why(before: &Path, after: &Path, settings: &CompareSettings) -> anyhow::Result<Divided> {
-    let [a, b] = [Recipe::of(before)?, Recipe::of(after)?];
+    let words = [before, after].map(|folder| folder.display().to_string());
+    let again = format!("{} {} --why", program("diff"), Words(words.to_vec()));
+    let [a, b] = [Recipe::of(before, &again)?, Recipe::of(after, &again)?];
     let causes = Causes::between(&a, &b).at_most(MOST);
     if causes.is_empty() {
         return Ok(Divided::default());
@@ -42,6 +48,10 @@ pub fn why(before: &Path, after: &Path, settings: &CompareSettings) -> anyhow::R
     // Parameters of two models stand beside nothing.
     let is_one_model = summaries.iter().all(|summary| summary.recommended == a.summary.recommended);
     for row in quantities(&summaries, settings).iter().filter(has_both).filter(|row| row.differs(last)) {
+        if (0..row.values.len()).any(|run| row.is_undetermined(run)) {
+            divided.undetermined.push(row.name.clone());
+            continue;
+        }
         let values: Option<Vec<f64>> = row.values.iter().map(|own| Some(own.as_ref()?.value)).collect();
         match values.filter(|_| is_one_model || row.group != Group::Parameter) {
             Some(values) => {
@@ -68,35 +78,63 @@ impl Sets<'_> {
         let mut made: Vec<Option<Summary>> = vec![None; all + 1];
         made[0] = Some(self.a.summary.clone());
         made[all] = Some(self.b.summary.clone());
-        let mut folders: Vec<(usize, PathBuf)> = vec![(0, self.a.folder.clone()), (all, self.b.folder.clone())];
-        // Small sets first: what a larger one shares with them is up to date.
-        for size in 1..self.causes.len() {
-            let sets: Vec<usize> = (1..all).filter(|set| set.count_ones() as usize == size).collect();
-            let next = Mutex::new(sets.iter().copied());
-            let results = Mutex::new(Vec::new());
-            let workers = thread::available_parallelism().map_or(1, usize::from).min(sets.len());
-            thread::scope(|scope| {
-                for _ in 0..workers {
-                    scope.spawn(|| {
-                        loop {
-                            let Some(set) = next.lock().ok().and_then(|mut sets| sets.next()) else { return };
-                            let result = self.run_one(set, &folders);
-                            if let Ok(mut results) = results.lock() {
-                                results.push((set, result));
-                            }
-                        }
-                    });
-                }
-            });
-            let mut results = results.into_inner().unwrap_or_default();
-            results.sort_by_key(|(set, _)| *set);
-            for (set, result) in results {
-                made[set] = result?;
-                folders.extend(made[set].is_some().then(|| (set, self.place(set))));
-            }
-            folders.sort();
+        let ends = [(0, self.a.folder.clone()), (all, self.b.folder.clone())];
+        let sets: Vec<usize> = (1..all).collect();
+        let (first, later): (Vec<usize>, Vec<usize>) = sets.into_iter().partition(|set| self.model(*set).is_none());
+        for (set, result) in self.run_all(&first, |set| self.nearest_end(set, &ends)) {
+            made[set] = result?;
+        }
+        let results = self.run_all(&later, |set| {
+            let like = self.model(set).filter(|like| made[*like].is_some());
+            like.map_or_else(|| self.nearest_end(set, &ends), |like| (like, self.place(like)))
+        });
+        for (set, result) in results {
+            made[set] = result?;
         }
         Ok(made)
+    }
+
+    /// The first set that has all up to the models in common with this one, where no end has: what is costly is
+    /// computed once.
+    fn model(&self, set: usize) -> Option<usize> {
+        let all = (1 << self.causes.len()) - 1;
+        let has_models = |other: usize| self.causes.first_stage(set ^ other) > place_in_chain(MODELS);
+        let is_own = ![0, all].into_iter().any(has_models);
+        (1..set).find(|other| is_own && has_models(*other))
+    }
+
+    /// The end that shares most with a set.
+    fn nearest_end(&self, set: usize, ends: &[(usize, PathBuf); 2]) -> (usize, PathBuf) {
+        let [a, b] = ends;
+        let shared = |end: &(usize, PathBuf)| self.causes.first_stage(set ^ end.0);
+        if shared(b) > shared(a) { b.clone() } else { a.clone() }
+    }
+
+    /// Runs sets beside each other, each from what `from` says; the results are in the order of the sets.
+    fn run_all(
+        &self,
+        sets: &[usize],
+        from: impl Fn(usize) -> (usize, PathBuf) + Sync,
+    ) -> Vec<(usize, anyhow::Result<Option<Summary>>)> {
+        let workers = thread::available_parallelism().map_or(1, usize::from).min(sets.len());
+        let next = Mutex::new(sets.iter().copied());
+        let results = Mutex::new(Vec::new());
+        thread::scope(|scope| {
+            for _ in 0..workers {
+                scope.spawn(|| {
+                    loop {
+                        let Some(set) = next.lock().ok().and_then(|mut sets| sets.next()) else { return };
+                        let result = self.run_one(set, &from(set));
+                        if let Ok(mut results) = results.lock() {
+                            results.push((set, result));
+                        }
+                    }
+                });
+            }
+        });
+        let mut results = results.into_inner().unwrap_or_default();
+        results.sort_by_key(|(set, _)| *set);
+        results
     }
 
     fn place(&self, set: usize) -> PathBuf {
@@ -104,15 +142,12 @@ impl Sets<'_> {
     }
 
     /// Runs the chain with a set of causes, from what another run shares with it.
-    fn run_one(&self, set: usize, made: &[(usize, PathBuf)]) -> anyhow::Result<Option<Summary>> {
+    fn run_one(&self, set: usize, (other, from): &(usize, PathBuf)) -> anyhow::Result<Option<Summary>> {
         let folder = self.place(set);
         fs::create_dir_all(&folder)?;
-        let shared = |other: &usize| self.causes.first_stage(set ^ other);
-        if let Some((other, from)) = made.iter().max_by_key(|(other, _)| shared(other)) {
-            let stages = chain().take(shared(other)).flat_map(|stage| stage.outputs);
-            for name in stages.chain([Pipeline::OF_A_RUN]).filter(|name| from.join(name).is_file()) {
-                fs::copy(from.join(name), folder.join(name))?;
-            }
+        let stages = chain().take(self.causes.first_stage(set ^ other)).flat_map(|stage| stage.outputs);
+        for name in stages.chain([Pipeline::OF_A_RUN]).filter(|name| from.join(name).is_file()) {
+            fs::copy(from.join(name), folder.join(name))?;
         }
         let recipe = self.causes.mixed(self.a, self.b, set);
         let file = self.folder.path().join(format!("set-{set}.toml"));

@@ -5,10 +5,11 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use crumple_artifact::{TOLERANCE_HINT, TOPICS, ToleranceRule};
 use toml::{Table, Value};
 
 use crate::error::{Usage, unknown_name};
-use crate::names::STAGES;
+use crate::names::{STAGES, nearest};
 
 /// A name with the pipeline of it.
 macro_rules! built_in {
@@ -27,6 +28,9 @@ const HEADER_KEYS: [&str; 4] = ["title", "description", "base", LIMITS];
 const LIMITS: &str = "diff";
 /// What a run adds to the pipeline that it hands to its stages.
 const OF_A_RUN: &str = "run";
+
+/// The key of that table that says that the file lay below `pipelines/`.
+const IS_NAMED: &str = "is_named";
 
 /// The key of that table that names what the pipeline was laid over.
 const LAID_OVER: &str = "laid_over";
@@ -114,6 +118,10 @@ impl Pipeline {
                 (LIMITS, value) if !value.is_table() => {
                     return Err(Usage::new(format!("{}: {LIMITS} is not a table", path.display())).into());
                 }
+                (LIMITS, Value::Table(limits)) => {
+                    refuse_wrong_limits(path, &limits)?;
+                    pipeline.header.insert(key, Value::Table(limits));
+                }
                 (header, value) if HEADER_KEYS.contains(&header) => {
                     pipeline.header.insert(key, value);
                 }
@@ -191,6 +199,14 @@ impl Pipeline {
         let parts: Vec<String> = self.path.iter().map(|part| part.to_string_lossy().into_owned()).collect();
         let from = parts.iter().rposition(|part| part == "pipelines").unwrap_or(parts.len().saturating_sub(1));
         self.run.insert("file".to_owned(), Value::from(parts[from..].join("/")));
+        if parts.get(from).is_some_and(|part| part == "pipelines") {
+            self.run.insert(IS_NAMED.to_owned(), Value::from(true));
+        }
+    }
+
+    /// Whether a run named it: its file lay below `pipelines/`.
+    pub fn is_named(&self) -> bool {
+        self.run.get(IS_NAMED) == Some(&Value::from(true))
     }
 
     /// Notes which record the run is of.
@@ -367,6 +383,28 @@ impl Pipeline {
         walk("", &self.stages, &mut options);
         options
     }
+}
+
+/// Errors: a limit that is none, or a pattern that matches no topic.
+fn refuse_wrong_limits(path: &Path, limits: &Table) -> Result<(), Usage> {
+    for (pattern, line) in limits {
+        let refused = |problem: String| Usage::new(format!("{}, [{LIMITS}]: {problem}", path.display()));
+        let rule =
+            ToleranceRule::read(pattern, line.clone()).map_err(|problem| refused(problem).hint(TOLERANCE_HINT))?;
+        if !rule.is_of_known_topic() {
+            let problem = format!("{pattern:?}: no stage writes a topic {:?}", rule.topic);
+            return Err(refused(format!("{problem}, expected one of docs/format.md")).hint(
+                match nearest(&rule.topic, TOPICS.iter().copied()) {
+                    Some(near) => {
+                        format!("did you mean {near:?}? A topic of your own: crumple diff A B --tolerance FILE")
+                    }
+                    None => "e.g. \"/metrics#[olc].value\"; of a topic of your own: crumple diff A B --tolerance FILE"
+                        .into(),
+                },
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// Options by their names.

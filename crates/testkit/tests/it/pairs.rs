@@ -23,10 +23,11 @@ edit() {
 /// A pair: what is done, how `diff a b` ends, and the causes that it names.
 type Pair = (&'static str, &'static str, i32, &'static [&'static str]);
 
-const PAIRS: [Pair; 46] = [
+const PAIRS: [Pair; 47] = [
     // The test.
     ("mass", "again --mass 1500kg", 1, &["test.mass_kg"]),
     ("speed", "again --impact-speed 58km/h", 1, &["test.impact_speed_m_per_s"]),
+    ("speed set", "again --set 'ingest.impact_speed=58 km/h'", 1, &["test.impact_speed_m_per_s"]),
     ("time zero", "again --time-zero=2ms", 1, &["test.time_zero_s"]),
     ("mass beside the record", "echo 'mass = \"1450 kg\"' > crash.csv.toml; again", 1, &["test.mass_kg"]),
     ("the same mass beside the record", "echo 'mass = \"1400 kg\"' > crash.csv.toml; again", 0, &[]),
@@ -221,7 +222,45 @@ fn a_pipeline_states_within_which_limits_its_runs_are_the_same() {
     let facts = value["summary"][0]["facts"].as_array().unwrap();
     let name = "limits./metrics#[dynamic_crush].value.abs";
     assert!(code == 1 && facts.len() == 1 && facts[0]["name"] == name, "{code} {facts:?}");
-    // A limit that is none is named with its pattern.
-    let (_, _, said) = shell(folder.path(), &format!("{}\ncrumple diff a b", of_limits("\"*\" = { abs = -1.0 }")));
-    assert!(said.contains("-1 is no tolerance"), "{said}");
+    let cause = &value["summary"][0]["causes"][0];
+    assert_eq!(
+        (&cause["name"], &cause["from"], &cause["to"]),
+        (&name.into(), &"0.02".into(), &"0.2".into()),
+        "{cause}"
+    );
+    assert!(cause["place"][0].as_str().unwrap().ends_with("0-pipeline.toml"), "{cause}");
+    let (_, _, said) = shell(folder.path(), "crumple diff expected runs >&2 || true");
+    assert!(said.contains("0.02 -> 0.2") && said.contains("; no option, record or program differs"), "{said}");
+    // A comparison side by side has the same limits.
+    let script = |limits: &str| format!("{}\ncrumple compare a b -o c.html", of_limits(limits));
+    let (code, _, said) = shell(folder.path(), &script("\"/metrics#[dynamic_crush].value\" = { abs = 0.02 }"));
+    let crush = said.lines().find(|line| line.starts_with("Dynamic crush")).unwrap_or_else(|| panic!("{said}"));
+    assert!(code == 0 && said.contains("the limits of [diff]") && !crush.contains('≠'), "{code} {said}");
+    let (_, _, said) = shell(folder.path(), &script("\"/notes\" = { ignore = true }"));
+    assert!(said.lines().any(|line| line.starts_with("Dynamic crush") && line.contains('≠')), "{said}");
+}
+
+#[test]
+fn a_limit_that_is_none_is_refused_when_the_pipeline_is_read() {
+    let folder = with_a_run();
+    for (line, found) in [
+        ("\"*\" = { abs = -1.0 }", "\"*\": -1 is no tolerance, expected a number from 0"),
+        ("\"*\" = { rel = nan }", "\"*\": NaN is no tolerance, expected a number from 0"),
+        ("\"*\" = { rel = inf }", "\"*\": inf is no tolerance, expected a number from 0"),
+        ("\"*\" = {}", "\"*\": no tolerance is given, expected abs, rel or ignore = true"),
+        ("\"*\" = 0.1", "\"*\": invalid type: floating point `0.1`, expected struct"),
+        ("\"*\" = { relative = 0.1 }", "\"*\": unknown field `relative`"),
+        ("\"/metric#*\" = { rel = 0.1 }", "\"/metric#*\": no stage writes a topic \"/metric\""),
+    ] {
+        let mine =
+            format!("printf '[diff]\n%s\n' '{line}' > mine.toml; crumple run crash.csv --pipeline mine.toml -o c");
+        let accept =
+            format!("rm -rf c; cp -r a c; printf '\n[diff]\n%s\n' '{line}' >> c/0-pipeline.toml; crumple accept c");
+        for (script, file) in [(mine, "mine.toml, [diff]: "), (accept, "c/0-pipeline.toml, [diff]: ")] {
+            let (code, _, said) = shell(folder.path(), &script);
+            let text = format!("{file}{found}");
+            assert!(code == 2 && said.contains(&text) && said.contains("hint: "), "{code} {said} for {text}");
+            assert!(!folder.path().join("expected").exists());
+        }
+    }
 }

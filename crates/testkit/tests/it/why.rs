@@ -8,35 +8,36 @@ use crumple_testkit::workspace;
 use serde_json::Value;
 
 /// Flags of the second run, and what its change is divided among. The first has none of them.
-const PAIRS: [(&[&str], &[&str]); 17] = [
-    (&["--mass", "1500kg"], &["ingest.mass"]),
-    (&["--impact-speed", "58km/h"], &["ingest.impact_speed"]),
-    (&["--time-zero=2ms"], &["ingest.time_zero"]),
+const PAIRS: [(&[&str], &[&str]); 18] = [
+    (&["--mass", "1500kg"], &["test.mass_kg"]),
+    (&["--impact-speed", "58km/h"], &["test.impact_speed_m_per_s"]),
+    (&["--set", "ingest.impact_speed=58 km/h"], &["test.impact_speed_m_per_s"]),
+    (&["--time-zero=2ms"], &["test.time_zero_s"]),
     (&["--set", "filter.cfc=180"], &["filter.cfc"]),
     (&["--set", "filter.cfc=1000"], &["filter.cfc"]),
     (&["--set", "predict.speeds=40 km/h,50 km/h"], &["predict.speeds"]),
     (&["--stage", "filter=python3 OWN filter:wide"], &["program of filter"]),
     // Two to four changes.
-    (&["--mass", "1500kg", "--impact-speed", "58km/h"], &["ingest.impact_speed", "ingest.mass"]),
-    (&["--mass", "1500kg", "--set", "filter.cfc=180"], &["ingest.mass", "filter.cfc"]),
-    (&["--impact-speed=50km/h", "--time-zero=2ms"], &["ingest.impact_speed", "ingest.time_zero"]),
+    (&["--mass", "1500kg", "--impact-speed", "58km/h"], &["test.impact_speed_m_per_s", "test.mass_kg"]),
+    (&["--mass", "1500kg", "--set", "filter.cfc=180"], &["test.mass_kg", "filter.cfc"]),
+    (&["--impact-speed=50km/h", "--time-zero=2ms"], &["test.impact_speed_m_per_s", "test.time_zero_s"]),
     (&["--set", "filter.cfc=600", "--set", "integrate.rule=simpson"], &["filter.cfc", "integrate.rule"]),
-    (&["--stage", "filter=python3 OWN filter:wide", "--mass=1300kg"], &["ingest.mass", "program of filter"]),
+    (&["--stage", "filter=python3 OWN filter:wide", "--mass=1300kg"], &["test.mass_kg", "program of filter"]),
     (
         &["--mass=1500kg", "--impact-speed=58km/h", "--set", "filter.cfc=180"],
-        &["ingest.impact_speed", "ingest.mass", "filter.cfc"],
+        &["test.impact_speed_m_per_s", "test.mass_kg", "filter.cfc"],
     ),
     (
         &["--mass=1500kg", "--time-zero=1ms", "--set", "predict.speeds=40 km/h"],
-        &["ingest.mass", "ingest.time_zero", "predict.speeds"],
+        &["test.mass_kg", "test.time_zero_s", "predict.speeds"],
     ),
     (
         &["--mass=1500kg", "--set", "filter.cfc=180", "--set", "integrate.speed_uncertainty=1 km/h uniform"],
-        &["ingest.mass", "filter.cfc", "integrate.speed_uncertainty"],
+        &["test.mass_kg", "filter.cfc", "integrate.speed_uncertainty"],
     ),
     (
         &["--mass=1500kg", "--impact-speed=58km/h", "--time-zero=1ms", "--set", "filter.cfc=180"],
-        &["ingest.impact_speed", "ingest.mass", "ingest.time_zero", "filter.cfc"],
+        &["test.impact_speed_m_per_s", "test.mass_kg", "test.time_zero_s", "filter.cfc"],
     ),
     // More than four come together by their stages.
     (
@@ -47,7 +48,7 @@ const PAIRS: [(&[&str], &[&str]); 17] = [
             "--set=filter.cfc=180",
             "--set=integrate.rule=simpson",
         ],
-        &["ingest.impact_speed", "ingest.mass, ingest.time_zero", "filter.cfc", "integrate.rule"],
+        &["test.impact_speed_m_per_s", "test.mass_kg, test.time_zero_s", "filter.cfc", "integrate.rule"],
     ),
 ];
 
@@ -128,4 +129,7 @@ fn another_record_is_a_cause_and_a_record_that_is_gone_is_said() {
     std::fs::remove_file(folder.path().join("noisy.csv")).unwrap();
     let (code, _, said) = crumple(folder.path(), &["diff", "a", "b", "--why"]);
     assert!(code == 2 && said.contains("the record \"noisy.csv\" is not at hand"), "{code} {said}");
+    let looked_for = folder.path().canonicalize().unwrap().join("noisy.csv");
+    assert!(said.contains(&format!("looked for {}", looked_for.display())), "{said}");
+    assert!(said.contains("put the record there and type crumple diff a b --why"), "{said}");
 }
