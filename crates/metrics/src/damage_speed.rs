@@ -229,7 +229,8 @@ impl DamageSpeed {
 ///
 /// The speed is `sqrt(k (b0² + 2 b0 b1 C + b1² C²))` with the means of crush and of its square over the width, and `k`
 /// the mass a width of the tests times width and angle factor over the mass. For an even profile and a vehicle like
-/// the tests it is `b0 + b1·C`, so that the interval is exact; else the derivatives carry it. `Err` says what cannot be.
+/// the tests it is `b0 + b1·C`, so that the interval is exact; else the derivatives carry it. `Err` says why there is
+/// none.
 pub fn damage_speed(line: &ImpactLine, vehicle: &DamagedVehicle<'_>) -> Result<DamageSpeed, String> {
     let positive = |x: f64| x.is_finite() && x > 0.0;
     if !positive(vehicle.mass_kg) {
@@ -242,6 +243,9 @@ pub fn damage_speed(line: &ImpactLine, vehicle: &DamagedVehicle<'_>) -> Result<D
     };
     let energy_j = energy(vehicle.force_angle_rad)?;
     let normal_energy_j = energy(0.0)?;
+    if !energy_j.is_finite() {
+        return Err("the crush energy is beyond all numbers".to_owned());
+    }
     let profile = DamageProfile::new(vehicle.crush_m).ok_or("stations are fewer than two")?;
     let (crush, square) = (profile.mean_m(), profile.mean_square_m2());
     let angle_factor = 1.0 + vehicle.force_angle_rad.tan().powi(2);
@@ -317,8 +321,8 @@ pub fn effective_mass_share(yaw_radius_m: f64, lever_m: f64) -> f64 {
 /// Closing speed and delta-v from the crush energies of both vehicles.
 ///
 /// With the effective masses `μ = γ m` the energy of the approach is `v² μ1 μ2/(2 (μ1 + μ2))`, and the impulse is
-/// `(1 + e) v μ1 μ2/(μ1 + μ2)`. With e = 0 that is CRASH3's `ΔV1 = sqrt(2 γ1 E/(m1 (1 + γ1 m1/(γ2 m2))))`. Energies that
-/// are lost for good are `1 - e²` of those of the approach. The errors of both energies are taken as independent.
+/// `(1 + e) v μ1 μ2/(μ1 + μ2)`. With e = 0 that is CRASH3's `ΔV1 = sqrt(2 γ1 E/(m1 (1 + γ1 m1/(γ2 m2))))`. Energies
+/// that are lost for good are `1 - e²` of those of the approach. The errors of both energies are taken as independent.
 /// `None` unless masses and the sum of the energies are positive and `0 <= e < 1`.
 pub fn collision_speed(
     vehicles: [CollidedVehicle; 2],
@@ -455,6 +459,21 @@ mod tests {
         close(stiffness.a_n_per_m / (pound_force / inch) / (3500.0 * 5.0 * 1.2 / 60.0), 0.8023, 1e-4);
         let b = stiffness.b_n_per_m2 / (pound_force / inch / inch);
         close(b / (3500.0 * 1.2 * 1.2 / 60.0), 0.8023, 1e-4);
+    }
+
+    #[test]
+    fn impossible_vehicles_have_no_speed() {
+        let vehicle = DamagedVehicle { mass_kg: 1500.0, width_m: 1.6, crush_m: &[0.4; 2], force_angle_rad: 0.0 };
+        let line = line(2.0, 25.0, 950.0);
+        for wrong in [
+            DamagedVehicle { mass_kg: 0.0, ..vehicle },
+            DamagedVehicle { width_m: -1.6, ..vehicle },
+            DamagedVehicle { crush_m: &[0.4], ..vehicle },
+            DamagedVehicle { crush_m: &[1e200; 2], ..vehicle },
+            DamagedVehicle { force_angle_rad: 0.8, ..vehicle },
+        ] {
+            assert!(damage_speed(&line, &wrong).is_err(), "{wrong:?}");
+        }
     }
 
     #[test]

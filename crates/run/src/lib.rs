@@ -9,7 +9,7 @@
 
 mod command;
 mod damage {
-    //! Speed from damage: the stiffness of a front by barrier tests, the energy of a profile, the speeds of a collision.
+    //! Speed from damage: stiffness of a front by barrier tests, energy of a profile, speeds of a collision.
 
     pub mod lines;
     pub mod program;

@@ -15,9 +15,9 @@ const WIDTH: usize = 110;
 
 /// Accuracy that was published, with its sources.
 pub(super) const ACCURACY: &str = "Published accuracy of the method: 95 % limits of one delta-v by CRASH are 9 to 25 % \
-    (53 vehicles, Smith and Noga 1982). 10 % of stiffness moves it by 2 to 6 % (same). CRASH3 is 33 % low in tests with \
-    40 % offset (41 tests, O'Neill et al. 1996). WinSMASH is 23 % low against recorders without restitution, 1 % with \
-    it (121 frontal crashes, Niehoff and Gabler 2006).";
+    (53 vehicles, Smith and Noga 1982). 10 % of stiffness moves it by 2 to 6 % (same). CRASH3 is 33 % low in tests \
+    with 40 % offset (41 tests, O'Neill et al. 1996). WinSMASH is 23 % low against recorders without restitution, \
+    1 % with it (121 frontal crashes, Niehoff and Gabler 2006).";
 
 fn km_h(speed_m_per_s: f64) -> String {
     format!("{:.1} km/h", KM_PER_H_PER_M_PER_S * speed_m_per_s)
