@@ -134,7 +134,8 @@ pub(super) fn coefficients(text: &str) -> Result<Coefficients, String> {
     let parts: Vec<&str> = text.split([',', ';']).collect();
     let [a, b] = parts[..] else { return Err(format!("{text:?} is not A and B, e.g. 55kN/m,400kN/m^2")) };
     let a_n_per_m = not_negative(a, Dimension::Stiffness)?;
-    Ok(Coefficients { a_n_per_m, b_n_per_m2: positive(b, STIFFNESS_A_WIDTH)? })
+    let no_b = |_| format!("{b:?} is no B above zero with its unit, e.g. 400kN/m^2 or 60lb/in^2");
+    Ok(Coefficients { a_n_per_m, b_n_per_m2: positive(b.trim(), STIFFNESS_A_WIDTH).map_err(no_b)? })
 }
 
 #[cfg(test)]

@@ -81,6 +81,9 @@ fn several_tests_have_intervals() {
     assert_eq!(found["vehicle"]["stiffness"]["degrees_of_freedom"], 1);
     let two = json(folder.path(), &[&typed[..4], &EVEN].concat());
     assert!(two["warnings"][0].as_str().unwrap().contains("two tests always lie on a line"));
+    let wild = ["1500kg,11m/s,32cm,1.5m", "1500kg,13m/s,60cm,1.5m", "1500kg,16m/s,48cm,1.5m"];
+    let wild: Vec<&str> = wild.iter().flat_map(|test| ["--test", test]).collect();
+    assert!(json(folder.path(), &wild)["warnings"].to_string().contains("the interval of b1 holds zero"));
     let lines = text(&damage(folder.path(), &typed).stdout);
     assert!(lines.contains("scatter by") && lines.contains("(95 %: ") && lines.contains("km/h"), "{lines}");
 }
@@ -201,6 +204,7 @@ fn what_is_typed_wrong_ends_with_code_2_and_a_way_out() {
     for (words, said) in [
         (vec!["--angle", "46deg"], "above 45 deg"),
         (vec!["--width", "150"], "has no unit"),
+        (vec!["--stiffness", "55kN/m,400"], "400kN/m^2"),
         (vec!["--profile", "10cm"], "expected 2 to 12"),
         (vec!["--line", "2m/s,25/s"], "stated in two ways"),
         (vec!["--restitution", "1"], "below 1"),
