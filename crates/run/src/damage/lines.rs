@@ -187,8 +187,8 @@ pub(super) fn vehicle_warnings(name: &str, vehicle: &VehicleResult) -> Vec<Strin
     }
     if stiffness.b1_interval_per_s.is_some_and(|[low, _]| low <= 0.0) {
         warnings.push(format!(
-            "The tests of the {name} do not show that the speed rises with the crush: the interval of b1 holds zero. Add \
-             tests at other speeds, or state --no-damage-speed."
+            "The tests of the {name} do not show that the speed rises with the crush: the interval of b1 holds zero. \
+             Add tests at other speeds, or state --no-damage-speed."
         ));
     }
     let range = |values: &mut dyn Iterator<Item = f64>| {
