@@ -59,6 +59,8 @@ static OTHERS: &[Program] = &[
     crumple_run::VIEW,
     #[cfg(feature = "run")]
     crumple_run::PASSPORT,
+    #[cfg(feature = "run")]
+    crumple_run::DAMAGE,
     crumple_report::COMPARE,
     crumple_report::INDEX,
     #[cfg(feature = "run")]

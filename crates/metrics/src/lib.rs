@@ -10,7 +10,8 @@
 //! - its shape: [`simple_pulses`], [`best_simple_pulse`]; the sled pulses of standards: [`check_sled_pulse`]
 //! - the occupant: [`hic`], [`bric`], [`nij`], [`clip_contiguous`], [`clip_cumulative`], [`ride_down`]
 //! - roadside hardware: [`asi`], [`thiv_phd`], [`oiv_ora`]
-//! - reconstruction: [`CrushStiffness`], [`energy_equivalent_speed`]
+//! - reconstruction: [`CrushStiffness`], [`energy_equivalent_speed`]; speed from damage [`ImpactLine`],
+//!   [`damage_speed()`], [`collision_speed`]
 //! - two curves: [`iso18571()`], [`cora()`], [`residuals()`]; several: [`agreement`], [`over_channels`]
 //!
 //! ```
@@ -31,6 +32,7 @@ mod best_shift;
 mod contact;
 mod cora;
 mod crash_events;
+mod damage_speed;
 mod energy;
 mod error;
 mod hic;
@@ -68,6 +70,10 @@ pub use crash_events::{
     CrashEvents, DynamicCrush, EDR_INTERVAL_S, EventEnd, Rebound, ThresholdRule, Unstopped,
     acceleration_after_separation, crash_events, crash_events_within, event_end_by_velocity_change,
     time_zero_by_threshold, time_zero_by_velocity_change, unstopped,
+};
+pub use damage_speed::{
+    BarrierTest, CollidedVehicle, CollisionSpeed, CrushEnergy, DamageSpeed, DamagedVehicle, ImpactLine,
+    ImpactLineError, LineScatter, collision_speed, crush_by_force, damage_speed, effective_mass_share,
 };
 pub use energy::{
     CrushStiffness, DamageProfile, INITIAL_TO_M, KW400_FROM_M, KW400_TO_M, NO_DAMAGE_SPEED_M_PER_S, WallStiffness,

@@ -8,6 +8,15 @@
 //! `together` fits one model to several tests after their runs; `fleet` runs many records.
 
 mod command;
+mod damage {
+    //! Speed from damage: stiffness of a front by barrier tests, energy of a profile, speeds of a collision.
+
+    pub mod lines;
+    pub mod program;
+    pub mod result;
+    pub mod stiffness;
+    pub mod typed;
+}
 mod export {
     //! The results of a run for other programs: tables, and a file for viewers of recordings.
 
@@ -76,6 +85,9 @@ pub const STUDY: Program = Program::of_tool::<fleet::StudyOptions>("study", |cal
 /// `crumple-export`: a run as tables.
 pub const EXPORT: Program =
     Program::of_tool::<export::program::ExportOptions>("export", |call| run_tool(call, export::program::export));
+/// `crumple-damage`: speed from damage.
+pub const DAMAGE: Program =
+    Program::of_tool::<damage::program::DamageOptions>("damage", |call| run_tool(call, damage::program::damage));
 /// `crumple-passport`: what a run was made from and what it made, for others to run again.
 pub const PASSPORT: Program = Program::of_tool::<passport::program::PassportOptions>("passport", |call| {
     run_tool(call, passport::program::passport)

@@ -109,7 +109,7 @@ pub(crate) fn digest_of(path: &Path) -> Option<String> {
 }
 
 /// Programs of the project that are no stages.
-const NO_STAGES: [&str; 8] = ["run", "together", "fleet", "study", "export", "view", "passport", "artifact"];
+const NO_STAGES: [&str; 9] = ["run", "together", "fleet", "study", "export", "view", "passport", "damage", "artifact"];
 
 /// Whose program of the project a command names.
 enum Named {

@@ -76,6 +76,28 @@ pub struct DamageV1 {
     pub from: String,
 }
 
+/// Place of the deformed area in a collision deformation classification (SAE J224), and its letter for the front.
+const AREA: (usize, char) = (2, 'F');
+
+impl DamageV1 {
+    /// Whether its classification is of another side than the front.
+    pub fn is_of_another_side(&self) -> bool {
+        let area = self.classification.as_deref().and_then(|code| code.chars().nth(AREA.0));
+        area.is_some_and(|area| area != AREA.1)
+    }
+
+    /// Width of the damage, m, else that of the vehicle; and which it is.
+    pub fn width(&self) -> Option<(f64, &'static str)> {
+        let of_damage = self.damage_width_m.map(|width| (width, "of the damage"));
+        of_damage.or_else(|| self.vehicle_width_m.map(|width| (width, "of the vehicle")))
+    }
+
+    /// The crush, m; a station that bulges out has none.
+    pub fn crush_m(&self) -> Vec<f64> {
+        self.residual_crush_m.iter().map(|crush| crush.max(0.0)).collect()
+    }
+}
+
 // Record: the events of a crash on one channel.
 
 /// What an interval of an event or a metric is made from.

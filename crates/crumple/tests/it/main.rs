@@ -9,7 +9,7 @@ use std::process::{Command, Output};
 const CRUMPLE: &str = env!("CARGO_BIN_EXE_crumple");
 
 /// Every word that stands for a program, and those behind one.
-const WORDS: [&str; 32] = [
+const WORDS: [&str; 33] = [
     "run",
     "together",
     "fleet",
@@ -17,6 +17,7 @@ const WORDS: [&str; 32] = [
     "export",
     "view",
     "passport",
+    "damage",
     "compare",
     "index",
     "diff",

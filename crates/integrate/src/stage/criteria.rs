@@ -227,9 +227,6 @@ fn some(ids: &[&str]) -> String {
     }
 }
 
-/// Place of the deformed area in a collision deformation classification (SAE J224), and its letter for the front.
-const AREA: (usize, char) = (2, 'F');
-
 impl Criteria<'_> {
     /// A, B and G, and with a profile the energy that they give for it: from the flags, else from the damage that the
     /// file of the test states.
@@ -267,20 +264,16 @@ impl Criteria<'_> {
             notes.info(format!("crush stiffness (CRASH3): not from the damage that the file states: {reason}"));
             Vec::new()
         };
-        let area = damage.classification.as_deref().and_then(|code| code.chars().nth(AREA.0));
-        if area.is_some_and(|area| area != AREA.1) {
+        if damage.is_of_another_side() {
             return none(notes, "its classification is of another side than the front");
         }
-        let (width_m, width_is) = match (damage.damage_width_m, damage.vehicle_width_m) {
-            (Some(width), _) => (width, "of the damage"),
-            (None, Some(width)) => (width, "of the vehicle"),
-            (None, None) => return none(notes, "neither the width of the damage nor that of the vehicle is stated"),
+        let Some((width_m, width_is)) = damage.width() else {
+            return none(notes, "neither the width of the damage nor that of the vehicle is stated");
         };
         let (Some(mass_kg), Some(v0)) = (self.test.mass_kg, self.impact_speed_m_per_s) else {
             return none(notes, "mass and impact speed are needed");
         };
-        // A station that bulges out has no crush.
-        let crush_m: Vec<f64> = damage.residual_crush_m.iter().map(|crush| crush.max(0.0)).collect();
+        let crush_m = damage.crush_m();
         let b0 = self.settings.no_damage_speed_m_per_s;
         let stiffness = DamageProfile::new(&crush_m)
             .filter(|_| v0 > b0)

@@ -36,7 +36,7 @@ pub struct ParameterSolve;
 impl Stage for ParameterSolve {
     const NAME: &'static str = "parameter-solve";
     const BUILD: &'static str = env!("CRUMPLE_BUILD");
-    const ABOUT: &'static str = "Finds the springs and dampers of lumped crash models from the crash events and the \
+    const ABOUT: &'static str = "Finds the springs and dampers of lumped crash models, from the crash events and the \
          displacement of a test, or one model for several tests: each path then has the name of \
          its test in front, NAME:PATH.";
     const LEFT_OUT: &'static [LeftOut] = &[LeftOut {

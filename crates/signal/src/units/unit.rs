@@ -127,11 +127,11 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     (&["deg/s", "DPS", "dps", "°/s"], Signal(Q::AngularVelocity), DEGREE_RAD),
     (&["rad/s^2", "RP2"], Signal(Q::AngularAcceleration), 1.0),
     (&["deg/s^2", "DP2"], Signal(Q::AngularAcceleration), DEGREE_RAD),
-    (&["Pa", "PAS"], Signal(Q::Pressure), 1.0),
-    (&["kPa", "KPA"], Signal(Q::Pressure), 1e3),
+    (&["Pa", "PAS", "N/m^2"], Signal(Q::Pressure), 1.0),
+    (&["kPa", "KPA", "kN/m^2"], Signal(Q::Pressure), 1e3),
     (&["bar"], Signal(Q::Pressure), 1e5),
     (&["MPa", "N/mm^2"], Signal(Q::Pressure), 1e6),
-    (&["psi"], Signal(Q::Pressure), POUND_KG * STANDARD_GRAVITY_M_PER_S2 / (INCH_M * INCH_M)),
+    (&["psi", "lbf/in^2", "lb/in^2"], Signal(Q::Pressure), POUND_KG * STANDARD_GRAVITY_M_PER_S2 / (INCH_M * INCH_M)),
     (&["V", "VOL", "volt", "volts"], Signal(Q::Voltage), 1.0),
     (&["mV"], Signal(Q::Voltage), 1e-3),
     (&["kg"], Mass, 1.0),
@@ -144,7 +144,7 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     (&["min", "minutes", "minute"], Time, 60.0),
     (&["h", "hours", "hour"], Time, 3600.0),
     (&["d", "days", "day"], Time, 86_400.0),
-    (&["Hz", "hz", "1/s"], Frequency, 1.0),
+    (&["Hz", "hz", "1/s", "/s"], Frequency, 1.0),
     (&["kHz"], Frequency, 1e3),
     (&["%", "percent"], Share, 1e-2),
     (&["share"], Share, 1.0),
@@ -152,7 +152,7 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     (&["N/m"], Stiffness, 1.0),
     (&["N/mm"], Stiffness, 1e3),
     (&["kN/mm", "MN/m"], Stiffness, 1e6),
-    (&["lbf/in"], Stiffness, POUND_KG * STANDARD_GRAVITY_M_PER_S2 / INCH_M),
+    (&["lbf/in", "lb/in"], Stiffness, POUND_KG * STANDARD_GRAVITY_M_PER_S2 / INCH_M),
     (&["kN*s/m", "kN·s/m", "kNs/m", "kN.s/m", "kN/(m/s)"], Damping, 1e3),
     (&["N*s/m", "N·s/m", "Ns/m", "N.s/m", "N/(m/s)"], Damping, 1.0),
     (&["N*s/mm", "N·s/mm", "Ns/mm", "N.s/mm"], Damping, 1e3),
@@ -422,6 +422,10 @@ mod tests {
         assert_eq!(parse_value("20 kN s/m", Damping), Ok(20e3));
         assert_eq!(parse_value("8 N*s/mm", Damping), Ok(8e3));
         assert!(matches!(parse_value("20 kN/m", Damping), Err(UnitError::Unit { .. })));
+        // A stiffness a width is a pressure; the slope of a speed over a length a frequency.
+        assert_eq!(parse_value("400 kN/m²", Signal(Q::Pressure)), Ok(400e3));
+        assert_eq!(parse_value("1 lb/in", Stiffness), parse_value("1 lbf/in", Stiffness));
+        assert_eq!(parse_value("25/s", Frequency), Ok(25.0));
     }
 
     #[test]
