@@ -62,7 +62,7 @@ pub fn total_and_direction(
     let degrees = angle(x, y);
     // What pushes the vehicle to the right came from its left.
     let side = match y {
-        _ if degrees < STRAIGHT || degrees > 180.0 - STRAIGHT => "",
+        _ if !(STRAIGHT..=180.0 - STRAIGHT).contains(&degrees) => "",
         y if y > 0.0 => "from the left, ",
         _ => "from the right, ",
     };

@@ -46,7 +46,7 @@ impl Corpus {
         let run: Vec<PathBuf> = stages.iter().map(|stage| golden.join(format!("{stage}.mcap"))).collect();
         records.push(run[0].clone());
         let folders = [Some(workspace().join("fuzz/corpus/record")), shared("reference/hostile")];
-        records.extend(folders.into_iter().flatten().into_iter().flat_map(|folder| {
+        records.extend(folders.into_iter().flatten().flat_map(|folder| {
             let files = fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
             let mut files: Vec<PathBuf> =
                 files.filter(|file| file.metadata().is_ok_and(|m| m.len() < 100_000)).map(|file| file.path()).collect();

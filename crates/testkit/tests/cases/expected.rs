@@ -70,7 +70,8 @@ fn is_in(range: &Value, value: Option<f64>) -> bool {
 fn at(summary: &Value, pointer: &str) -> Value {
     let found = pointer.trim_end_matches('|').split('/').skip(1).try_fold(summary, |value, step| {
         let picked = step.split_once('=').map(|(name, text)| {
-            let has = |item: &&Value| item[name].as_str().map_or_else(|| item[name].to_string() == text, |t| t == text);
+            let number: Option<f64> = text.parse().ok();
+            let has = |item: &&Value| item[name] == text || (number.is_some() && item[name].as_f64() == number);
             value.as_array().and_then(|items| items.iter().find(has))
         });
         picked.unwrap_or_else(|| value.get(step).or_else(|| value.get(step.parse::<usize>().ok()?)))
