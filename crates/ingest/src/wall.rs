@@ -1,13 +1,40 @@
 //! Which channels are the force of the wall, where their names, and no code, say so.
 
-use crumple_signal::{BARRIER, QuantityKind};
+use crumple_signal::{Axis, BARRIER, QuantityKind, criterion_of};
 
 use crate::recording::content::{ReadChannel, Recording, list};
 use crate::recording::settings::select;
 use crate::{Result, refuse_channel};
 
-/// Words of names, small letters without signs between; `barr` is that of ISO 13499, too.
-const WALL: [&str; 7] = ["wall", "barr", "loadcell", "wand", "kraftmessdose", "murrigide", "muro"];
+/// Words of names; one that begins with `barr` is among them, as in codes like `B0BARR0000FOXP`.
+const WALL: [&str; 7] = ["wall", "fwall", "wand", "wandkraft", "mauer", "muro", "rwforc"];
+/// Words of names that say the same, `load cell` apart.
+const CELL: [&str; 3] = ["loadcell", "loadcells", "kraftmessdose"];
+/// Words of forces on occupants and their restraints.
+const OCCUPANT: [&str; 22] = [
+    "neck",
+    "femur",
+    "tibia",
+    "belt",
+    "seat",
+    "seatbelt",
+    "lap",
+    "shoulder",
+    "driver",
+    "passenger",
+    "dummy",
+    "head",
+    "chest",
+    "thorax",
+    "pelvis",
+    "lumbar",
+    "spine",
+    "knee",
+    "foot",
+    "arm",
+    "gurt",
+    "airbag",
+];
 /// Words of a name whose force is that of all cells.
 const WHOLE: [&str; 4] = ["total", "sum", "whole", "gesamt"];
 
@@ -22,8 +49,9 @@ pub fn place(file: &str, recording: &mut Recording, wanted: Option<&str>) -> Res
     let taken: Vec<usize> = match wanted {
         Some(wanted) => {
             let selected = select(channels, wanted);
-            if let Some(other) = selected.iter().find(|k| !is_force(&channels[**k])) {
-                let found = format!("channel {} is no force with data", channels[*other].channel.id);
+            let is_along = |read: &ReadChannel| read.channel.axis.is_none_or(|axis| axis == Axis::X);
+            if let Some(other) = selected.iter().find(|k| !is_force(&channels[**k]) || !is_along(&channels[**k])) {
+                let found = format!("channel {} is no force along x with data", channels[*other].channel.id);
                 let hint = "name the column of the force, or leave --wall away; --list prints the channels";
                 return refuse_channel(file, found, "the force of the wall, with its unit: wall_force_kN", hint);
             }
@@ -43,10 +71,13 @@ pub fn place(file: &str, recording: &mut Recording, wanted: Option<&str>) -> Res
         None => {
             let is_named = |k: &usize| {
                 let read = &channels[*k];
-                is_force(read) && read.channel.location.is_empty() && says(read, &WALL)
+                is_force(read) && read.channel.location.is_empty() && names_the_wall(read)
             };
             let named: Vec<usize> = (0..channels.len()).filter(is_named).collect();
-            match named.iter().find(|k| named.len() > 1 && says(&channels[**k], &WHOLE)) {
+            match named
+                .iter()
+                .find(|k| named.len() > 1 && words_of(&channels[**k]).iter().any(|word| WHOLE.contains(&word.as_str())))
+            {
                 Some(whole) => vec![*whole],
                 None => named,
             }
@@ -62,13 +93,36 @@ pub fn place(file: &str, recording: &mut Recording, wanted: Option<&str>) -> Res
     Ok(())
 }
 
-/// Whether the id or another name of a channel holds one of the words.
-fn says(read: &ReadChannel, words: &[&str]) -> bool {
-    let names = read.aliases.iter().chain([&read.channel.id]);
-    names.into_iter().any(|name| {
-        let letters: String = name.to_lowercase().chars().filter(|c| c.is_alphanumeric()).collect();
-        words.iter().any(|word| letters.contains(word))
-    })
+/// The words of the id and of other names of a channel, small letters: `WallForce`, `wall_force` and `Wall force` have
+/// two. Digits part words.
+fn words_of(read: &ReadChannel) -> Vec<String> {
+    let mut words = vec![String::new()];
+    for name in read.aliases.iter().chain([&read.channel.id]) {
+        let mut before = ' ';
+        for c in name.chars().chain([' ']) {
+            if !c.is_alphabetic() || (c.is_uppercase() && before.is_lowercase()) {
+                words.push(String::new());
+            }
+            if let Some(word) = words.last_mut().filter(|_| c.is_alphabetic()) {
+                word.extend(c.to_lowercase());
+            }
+            before = c;
+        }
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+fn names_the_wall(read: &ReadChannel) -> bool {
+    let words = words_of(read);
+    let has = |of: &[&str]| words.iter().any(|word| of.contains(&word.as_str()));
+    if criterion_of(&read.channel).is_some() || has(&OCCUPANT) {
+        return false;
+    }
+    has(&WALL)
+        || has(&CELL)
+        || (has(&["load"]) && has(&["cell", "cells"]))
+        || words.iter().any(|word| word.starts_with("barr"))
 }
 
 #[cfg(test)]
@@ -99,6 +153,9 @@ mod tests {
         assert_eq!(placed(&["B0BARR0000FOXP", "F2"], None).unwrap(), [true, false]);
         assert_eq!(placed(&["Load cell 1", "Load cell 2"], None).unwrap(), [true, true]);
         assert_eq!(placed(&["barrier A1", "barrier A2", "barrier total"], None).unwrap(), [false, false, true]);
+        let others = ["Left femur load cell", "Neck load cell Fz", "firewall", "Wandler", "belt barrier"];
+        assert_eq!(placed(&others, None).unwrap(), [false; 5]);
+        assert_eq!(placed(&["WallForce", "Loadcell_3"], None).unwrap(), [true, true]);
         assert_eq!(placed(&["F1", "F2"], Some("F2")).unwrap(), [false, true]);
         assert_eq!(placed(&["F1", "F2", "G"], Some("F*")).unwrap(), [true, true, false]);
         assert!(placed(&["F1"], Some("F9")).is_err());

@@ -1,7 +1,7 @@
 //! JSON lines: an object of numbers a line, such as loggers and web services write. A table whose columns are the paths
 //! of the numbers, `acc.x`.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crumple_signal::Notes;
 use serde_json::Value;
@@ -11,7 +11,7 @@ use crate::formats::table::layout::{COLUMN_LIMIT, Cells};
 use crate::formats::table::numbers::Rows;
 use crate::formats::table::{channels_of, header, recording};
 use crate::formats::text::stamps::stamp;
-use crate::recording::content::{LineNumbers, Recording};
+use crate::recording::content::{LineNumbers, Recording, list};
 use crate::recording::details::Details;
 use crate::{IngestSettings, Place, Result, refuse};
 
@@ -24,6 +24,14 @@ pub const JSON_LINES: Reader = Reader::of_one_file(
 
 /// Objects within objects.
 const DEPTH: usize = 8;
+/// Longest path that is a name, bytes.
+const LONGEST_PATH: usize = 256;
+/// An array of more numbers than this is no vector of a sample.
+const LONGEST_ARRAY: usize = 16;
+/// Most cells, as of a table in memory: a row of few numbers takes a cell of each column.
+const CELL_LIMIT: usize = 1 << 24;
+/// Names in a note.
+const NAMED: usize = 12;
 
 /// Whether the first two lines are an object of numbers each.
 pub fn recognises(head: &[u8]) -> bool {
@@ -45,6 +53,9 @@ fn cells(value: &Value) -> BTreeMap<String, Value> {
 
 fn collect(value: &Value, path: &str, depth: usize, into: &mut BTreeMap<String, Value>) {
     let below = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
+    if path.len() > LONGEST_PATH {
+        return;
+    }
     match value {
         Value::Number(_) => {
             into.insert(path.to_owned(), value.clone());
@@ -55,7 +66,7 @@ fn collect(value: &Value, path: &str, depth: usize, into: &mut BTreeMap<String, 
         Value::Object(fields) if depth > 0 => {
             fields.iter().for_each(|(key, inner)| collect(inner, &below(key), depth - 1, into));
         }
-        Value::Array(items) if depth > 0 && items.len() <= 16 => {
+        Value::Array(items) if depth > 0 && items.len() <= LONGEST_ARRAY => {
             items.iter().enumerate().for_each(|(k, inner)| collect(inner, &below(&k.to_string()), depth - 1, into));
         }
         _ => {}
@@ -74,7 +85,7 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
         begins_late: false,
     };
     let mut notes = Notes::new();
-    let mut others = 0_usize;
+    let (mut others, mut late) = (0_usize, BTreeSet::new());
     for (number, line) in (1..).zip(bytes.split(|b| *b == b'\n')) {
         let line = line.trim_ascii();
         if line.is_empty() {
@@ -97,10 +108,18 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
             let kind = |value: &Value| value.as_str().and_then(stamp).map_or(Cells::Numbers, Cells::Stamps);
             rows.cells = found.values().map(kind).collect();
         }
-        // An event between the samples has none of their numbers.
-        if !names.iter().any(|name| found.contains_key(name)) {
+        // An event between the samples has a time, and none of their numbers.
+        if names.iter().filter(|name| found.contains_key(*name)).count() < 2 {
             others += 1;
             continue;
+        }
+        if rows.lines.len() * names.len() >= CELL_LIMIT {
+            let (place, most) = (Place::line(file, number), format!("at most {CELL_LIMIT} numbers"));
+            let hint = "keep the channels needed, or convert the record to CSV, which is read in pieces";
+            return refuse(place, format!("more than {CELL_LIMIT} numbers in {} columns", names.len()), most, hint);
+        }
+        if late.len() < NAMED {
+            late.extend(found.keys().filter(|name| !names.contains(name)).cloned());
         }
         for ((name, column), cell) in names.iter().zip(&mut rows.columns).zip(&rows.cells) {
             column.push(match (found.get(name), cell) {
@@ -113,6 +132,10 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
     }
     if others > 0 {
         notes.info(format!("{others} lines without the numbers of the first are left out"));
+    }
+    if !late.is_empty() {
+        let late: Vec<String> = late.into_iter().collect();
+        notes.warning(format!("numbers that begin behind the first line are left out: {}", list(&late)));
     }
     let header = header::of_lines(vec![(1, names.clone())], names.len());
     let channels = channels_of(file, &header, rows, settings, (None, None), &mut notes)?;

@@ -64,21 +64,28 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
             Err(_) if !is_meant(name) => continue,
             sheet => sheet?,
         };
-        statements.extend(rows_of_words(name, &sheet.cells));
+        let first = first_row(&sheet.cells, settings);
+        let first = first.filter(|first| sheet.cells.range(first..).count() >= MINIMUM_SAMPLES);
+        // Another record has a mass and a speed of its own.
+        if first.is_none() {
+            statements.extend(rows_of_words(name, &sheet.cells));
+        }
         if !is_meant(name) {
             continue;
         }
         unread.extend(without_values(&sheet));
-        let first = first_row(&sheet.cells, settings);
-        if let Some(first) = first.filter(|first| sheet.cells.range(first..).count() >= MINIMUM_SAMPLES) {
+        if let Some(first) = first {
             tables.push((name, sheet, first));
         }
     }
     let several: Vec<String> = tables.iter().map(|(name, ..)| format!("{name:?}")).collect();
     match tables.as_slice() {
-        [(_, sheet, first)] => {
+        [(name, sheet, first)] => {
             let mut recording = table(file, sheet, *first, settings)?;
-            preamble::take(statements.into_iter(), &mut recording.details, &mut recording.notes);
+            // What the sheet itself states is what counts.
+            for rows in [rows_of_words(name, &sheet.cells), statements] {
+                preamble::take(rows.into_iter(), &mut recording.details, &mut recording.notes);
+            }
             Ok(recording)
         }
         [] if !unread.is_empty() => {

@@ -247,6 +247,8 @@ pub fn note_missing(details: &Details, has_comments: bool, from_rest: bool, note
     }
 }
 
+/// Below this, kg, a thing may have been dropped.
+const LIGHT_KG: f64 = 200.0;
 /// Masses of cars and vans, kg, of which one may have been meant.
 const CAR_KG: std::ops::RangeInclusive<f64> = 500.0..=5_000.0;
 
@@ -257,10 +259,9 @@ pub fn question_mass(details: &Details, is_typed: bool, notes: &mut Notes) {
         return;
     };
     if is_typed {
-        notes.info(format!(
-            "the mass of {value} kg is none of a vehicle and taken as typed. In a vertical fall its weight acts as \
-             well; models and crush leave the weight out"
-        ));
+        let falls = "; in a vertical fall its weight acts as well: models and crush leave the weight out";
+        let falls = if *value < LIGHT_KG { falls } else { "" };
+        notes.info(format!("the mass of {value} kg is none of a vehicle and taken as typed{falls}"));
         return;
     }
     let units = [("t", 1e3), ("kg or g", 1e-3)];

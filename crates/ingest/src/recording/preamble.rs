@@ -66,11 +66,11 @@ pub fn take(rows: impl Iterator<Item = (String, Vec<String>)>, details: &mut Det
         let written = [value.clone(), format!("{value} {of_name}"), format!("{value} {next}")];
         match written.iter().find_map(|text| parse_value(text, dimension).ok()).filter(|x| *x > 0.0) {
             Some(value) => found.push(Stated { value, from }),
-            None if value.parse::<f64>().is_ok() => {
+            // Words behind such a name are no value.
+            None if value.starts_with(|c: char| c.is_ascii_digit()) => {
                 let flag = if dimension == Dimension::Mass { "--mass 1500kg" } else { "--impact-speed 50km/h" };
-                notes.info(format!(
-                    "{from}: {first} {value} has no unit and is not taken; {flag}, for example, states it"
-                ));
+                let what = format!("{first} {value} is no {} with its unit", dimension.name());
+                notes.info(format!("{from}: {what} and is not taken; {flag}, for example, states it"));
             }
             None => {}
         }
@@ -123,7 +123,8 @@ mod tests {
             taken(&[&["Speed", "channel 3"], &["time", "mass"], &["the mass", "5 kg"]]),
             (None, None, String::new())
         );
-        assert!(taken(&[&["Mass", "1719"]]).2.contains("no unit"));
+        assert!(taken(&[&["Mass", "1719"]]).2.contains("is not taken"));
+        assert!(taken(&[&["Mass", "1,719 kg"]]).2.contains("is not taken"));
         let two = taken(&[&["Mass", "1719 kg"], &["Weight", "1500 kg"]]);
         assert!(two.0.is_none() && two.2.contains("none is taken"));
         assert_eq!(taken(&[&["Mass", "1719 kg"], &["Weight", "1.719 t"]]).0, Some(1719.0));

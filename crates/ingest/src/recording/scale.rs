@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crumple_signal::unit::signal_unit;
+use crumple_signal::unit::{signal_unit, without_brackets};
 use crumple_signal::{Notes, QuantityKind, Sampled};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
@@ -82,31 +82,37 @@ fn of_reading(unit: &str) -> Option<(f64, bool)> {
     signal_unit(unit).filter(|(kind, _)| *kind == QuantityKind::Voltage).map(|(_, factor)| (factor, true))
 }
 
+/// What one of the reading is of a quantity, from so much above for so much below a slash: the factor, the quantity, and
+/// whether the reading is in volts.
+fn ratio(above: &str, below: &str) -> Option<(f64, QuantityKind, bool)> {
+    let (value, above) = number(above).filter(|(value, _)| *value != 0.0)?;
+    let below = without_brackets(below.trim());
+    let measured = |unit: &str| signal_unit(unit).filter(|(kind, _)| *kind != QuantityKind::Voltage);
+    // So much of the reading for one of the quantity.
+    if let (Some((to_si, of_volts)), Some((quantity, factor))) = (of_reading(above), measured(below)) {
+        return Some((factor / (value * to_si), quantity, of_volts));
+    }
+    // So much of the quantity for one of the reading.
+    let (to_si, of_volts) = of_reading(below)?;
+    let (quantity, factor) = measured(without_brackets(above))?;
+    Some((value * factor / to_si, quantity, of_volts))
+}
+
 impl Scale {
     fn parse(text: &str) -> Option<Self> {
         let (channel, words) = text.split_once('=').map(|(name, rest)| (name.trim(), rest.trim()))?;
         let (sensitivity, zero) = words.split_once('@').unwrap_or((words, "0"));
-        let (above, below) = sensitivity.rsplit_once('/')?;
-        let (value, above) = number(above).filter(|(value, _)| *value != 0.0)?;
+        // `5mV/(m/s^2)` has two slashes.
+        let parts = sensitivity.match_indices('/').map(|(at, _)| (&sensitivity[..at], &sensitivity[at + 1..]));
+        let (factor, quantity, of_volts) = parts.into_iter().find_map(|(above, below)| ratio(above, below))?;
         let (zero, of_zero) = number(zero)?;
-        let measured = |unit: &str| signal_unit(unit).filter(|(kind, _)| *kind != QuantityKind::Voltage);
-        let (reading, quantity, of_volts) = match (of_reading(above), measured(below.trim())) {
-            // So much of the reading for one of the quantity.
-            (Some((to_si, of_volts)), Some((quantity, factor))) => (factor / (value * to_si), quantity, of_volts),
-            // So much of the quantity for one of the reading.
-            _ => {
-                let (to_si, of_volts) = of_reading(below.trim())?;
-                let (quantity, factor) = measured(above)?;
-                (value * factor / to_si, quantity, of_volts)
-            }
-        };
         let zero = match of_reading(of_zero)? {
-            (_, volts) if !of_zero.is_empty() && volts != of_volts => return None,
+            (_, volts) if volts != of_volts && zero != 0.0 => return None,
             (to_si, _) => zero * to_si,
         };
         let (channel, words) = (channel.to_owned(), words.to_owned());
-        let scale = Self { channel, words, quantity, factor: reading, zero, of_volts };
-        (reading.is_finite() && !scale.channel.is_empty()).then_some(scale)
+        let scale = Self { channel, words, quantity, factor, zero, of_volts };
+        (factor.is_finite() && !scale.channel.is_empty()).then_some(scale)
     }
 }
 
@@ -124,6 +130,11 @@ impl Scales {
                 return refuse_channel(file, found, format!("one of {}", ids.join(", ")), hint);
             };
             let read = &mut channels[*k];
+            let taken_as = if scale.of_volts && read.channel.quantity == QuantityKind::Other {
+                "; its numbers state no unit and are taken as V"
+            } else {
+                ""
+            };
             let is_fit = match read.channel.quantity {
                 QuantityKind::Other => true,
                 QuantityKind::Voltage => scale.of_volts,
@@ -144,7 +155,8 @@ impl Scales {
             read.wave = Some(scaled);
             read.channel.quantity = scale.quantity;
             read.fitness = Fitness::of_only(scale.quantity, "the only acceleration");
-            notes.info(format!("channel {}: {} by --scale {}", read.channel.id, scale.quantity, scale.words));
+            let (id, quantity, words) = (&read.channel.id, scale.quantity, &scale.words);
+            notes.info(format!("channel {id}: {quantity} by --scale {words}{taken_as}"));
         }
         Ok(())
     }
@@ -170,9 +182,22 @@ mod tests {
         near(factor("ax=16384/g"), (G / 16384.0, 0.0));
         near(factor("ax=16384 LSB/g@-12"), (G / 16384.0, -12.0));
         near(factor("a=0.5g/V"), (0.5 * G, 0.0));
+        near(factor("ch2=5mV/(m/s^2)"), (1.0 / 5e-3, 0.0));
+        near(factor("ch2=5mV/m/s^2"), (1.0 / 5e-3, 0.0));
+        near(factor("ch2=20 m/s^2/V"), (20.0, 0.0));
         near(factor("f=2mV/kN"), (1e3 / 2e-3, 0.0));
         near(factor("ax=4e-3g/LSB"), (4e-3 * G, 0.0));
-        for wrong in ["ch2", "ch2=", "ch2=50mV", "ch2=50/V", "=50mV/g", "ch2=0mV/g", "ch2=50mV/g@3kN", "a=1g/g"] {
+        for wrong in [
+            "ch2",
+            "ch2=",
+            "ch2=50mV",
+            "ch2=50/V",
+            "=50mV/g",
+            "ch2=0mV/g",
+            "ch2=50mV/g@3kN",
+            "ch2=50mV/g@2500",
+            "a=1g/g",
+        ] {
             assert!(Scale::parse(wrong).is_none(), "{wrong}");
         }
     }

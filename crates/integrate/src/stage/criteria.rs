@@ -313,7 +313,7 @@ pub fn in_the_plane(
             && other.status == ChannelStatus::Valid
             && other.may_be_on_vehicle()
             && part_of(other).is_none()
-            && other.location == channel.location
+            && place(other) == place(channel)
     };
     let across = test.channels.iter().filter(is_across).find_map(|c| Some((c, &input.wave_if(&c.id)?.sampled)));
     let Some((across, wave)) = across.filter(|_| channel.axis.is_none_or(|axis| axis == Axis::X)) else {
@@ -428,7 +428,7 @@ pub fn sites<'a>(test: &'a TestDescription, input: &Inputs) -> Vec<(BodyPart, Si
 /// What channels at one place have in common: location, the code up to its dimension, redundancy. Without location and
 /// code the id without what says the axis (`head_x_g`, `head_y_g`: `head_g`), else up to its last separator (`head_1`,
 /// `head_2`).
-fn place(channel: &Channel) -> String {
+pub fn place(channel: &Channel) -> String {
     let code = channel.code.as_deref().and_then(|code| code.get(..12)).unwrap_or_default();
     let mut location = channel.location.trim().to_lowercase();
     if location.is_empty() && code.is_empty() {

@@ -13,7 +13,7 @@ use crumple_signal::{
 use crumple_stage::records::MetricV1;
 use crumple_stage::{Inputs, Output, RefuseExt, option};
 
-use crate::stage::criteria::{Site, sites};
+use crate::stage::criteria::{Site, place, sites};
 use crate::stage::options::{MetricGroup, StageSettings};
 use crate::stage::records::metric_record;
 
@@ -200,37 +200,48 @@ impl Criteria<'_> {
             });
             channels.filter_map(|channel| Some((channel, &self.input.wave_if(&channel.id)?.sampled)))
         };
-        let on = |location: &str, part, quantity, axis: Axis| {
-            of_part(part).find(|(channel, _)| {
-                channel.location == location && channel.quantity == quantity && channel.axis == Some(axis)
-            })
+        let on = |at: &str, part, quantity, axis: Axis| {
+            of_part(part)
+                .find(|(channel, _)| place(channel) == at && channel.quantity == quantity && channel.axis == Some(axis))
         };
         let mut records = Vec::new();
-        let heads: BTreeSet<&str> = of_part(BodyPart::Head)
-            .filter(|(channel, _)| channel.quantity == QuantityKind::AngularVelocity)
-            .map(|(channel, _)| channel.location.as_str())
+        let rotates = |channel: &Channel| channel.quantity == QuantityKind::AngularVelocity;
+        let heads: BTreeSet<String> = of_part(BodyPart::Head)
+            .filter(|(channel, _)| rotates(channel))
+            .map(|(channel, _)| place(channel))
             .collect();
         for head in heads {
             let rates =
-                [Axis::X, Axis::Y, Axis::Z].map(|axis| on(head, BodyPart::Head, QuantityKind::AngularVelocity, axis));
+                [Axis::X, Axis::Y, Axis::Z].map(|axis| on(&head, BodyPart::Head, QuantityKind::AngularVelocity, axis));
             let channels: Vec<&Channel> = rates.iter().flatten().map(|(channel, _)| *channel).collect();
             records.push(self.record(&channels, bric(rates.map(|rate| rate.map(|(_, wave)| wave))), &[]));
         }
-        let necks: BTreeSet<&str> = of_part(BodyPart::Neck).map(|(channel, _)| channel.location.as_str()).collect();
+        let necks: BTreeSet<String> = of_part(BodyPart::Neck).map(|(channel, _)| place(channel)).collect();
         for neck in necks {
-            let force = |axis| on(neck, BodyPart::Neck, QuantityKind::Force, axis);
-            let moment = on(neck, BodyPart::Neck, QuantityKind::Moment, Axis::Y);
+            let of_neck = |quantity, axis| {
+                of_part(BodyPart::Neck).find(|(channel, _)| {
+                    place(channel) == neck && channel.quantity == quantity && channel.axis == Some(axis)
+                })
+            };
+            let force = |axis| of_neck(QuantityKind::Force, axis);
+            let moment = of_neck(QuantityKind::Moment, Axis::Y);
             let (Some((z, axial_n)), Some((x, shear_n)), Some((y, moment_n_m))) =
                 (force(Axis::Z), force(Axis::X), moment)
             else {
                 continue;
             };
-            // The code of a dummy ends its location in words.
-            let is_small = z.code.as_deref().and_then(|code| code.get(10..12)) == Some("HF");
-            let dummy = if is_small { Dummy::Female5 } else { Dummy::Male50 };
-            let metric = nij(Neck { axial_n, shear_n, moment_n_m }, dummy);
-            let known = z.code.is_some();
-            let remark = (!known).then(|| "no code says which dummy: that of a 50 % male is supposed".to_owned());
+            let waves = Neck { axial_n, shear_n, moment_n_m };
+            let (metric, remark) = match dummy_of(z) {
+                Some(dummy) => (nij(waves, dummy), None),
+                None if z.code.as_deref().and_then(|code| code.get(DUMMY)).is_some_and(is_named) => {
+                    let why = "the critical values of this dummy are not known here";
+                    (Metric::absent(&definitions::NIJ, why), None)
+                }
+                None => {
+                    let remark = "no code says which dummy: that of a 50 % male is supposed";
+                    (nij(waves, Dummy::Male50), Some(remark.to_owned()))
+                }
+            };
             records.push(self.record(&[z, x, y], metric, &Vec::from_iter(remark)));
         }
         records
@@ -359,6 +370,22 @@ impl Criteria<'_> {
         let fits =
             |channel: &&Channel| of_vehicle(channel, quantity, axis) && self.input.wave_if(&channel.id).is_some();
         self.test.channels.iter().filter(fits).collect()
+    }
+}
+
+/// Where a code names the dummy (ISO/TS 13499, fine location 3).
+const DUMMY: std::ops::Range<usize> = 10..12;
+
+fn is_named(dummy: &str) -> bool {
+    !dummy.bytes().all(|byte| b"0_?".contains(&byte))
+}
+
+/// The dummy by the code of its channel, of those whose critical values are known.
+fn dummy_of(channel: &Channel) -> Option<Dummy> {
+    match channel.code.as_deref()?.get(DUMMY)? {
+        "H3" => Some(Dummy::Male50),
+        "HF" => Some(Dummy::Female5),
+        _ => None,
     }
 }
 

@@ -84,6 +84,16 @@ pub(super) fn pulse<'a>(task: &Task<'a>) -> Option<Sensor<'a>> {
     })
 }
 
+/// Half a swing on the unloading stiffness below which nothing tells whether the mass stays on it, s. A swing of twice
+/// as long is one of 100 Hz, where CFC 60 leaves 0.7 of it (SAE J211-1).
+const UNSEEN_HALF_SWING_S: f64 = 5e-3;
+
+/// Whether a mass that stayed on its spring after unloading would swing too fast to be seen.
+fn leaves_at_once(model: &Elastoplastic) -> bool {
+    let half_swing_s = std::f64::consts::PI * (model.mass_kg / model.unloading_stiffness_n_per_m).sqrt();
+    half_swing_s < UNSEEN_HALF_SWING_S
+}
+
 /// Rounds of weighing sensors, and the change of a weight that is worth another one.
 const WEIGHINGS: usize = 4;
 const WORTH_ANOTHER: f64 = 0.01;
@@ -180,10 +190,13 @@ impl<'a> FitTask<'a> {
             fit_as_measured(model, &free, &self.observed)
         };
         match &start.model {
-            Model::Elastoplastic(model) if self.task.fits_displacement_alone() => {
+            Model::Elastoplastic(model) if self.task.fits_displacement_alone() && !leaves_at_once(model) => {
                 let both = [true, false].map(|release| fit(&Model::Elastoplastic(Elastoplastic { release, ..*model })));
                 let misfit = |minimum: &Minimum| least_acceleration_misfit(minimum).unwrap_or(f64::INFINITY);
                 both.into_iter().flatten().min_by(|a, b| misfit(a).total_cmp(&misfit(b)))
+            }
+            Model::Elastoplastic(model) if self.task.fits_displacement_alone() => {
+                fit(&Model::Elastoplastic(Elastoplastic { release: true, ..*model }))
             }
             model => fit(model),
         }

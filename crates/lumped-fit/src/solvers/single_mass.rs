@@ -3,7 +3,7 @@
 use crumple_lumped::{Maxwell, Model};
 use crumple_signal::{Displacement, Note, Notes, Signal};
 
-use crate::candidate::{Candidate, Fit, bounds_remark};
+use crate::candidate::{Candidate, Fit, Minimum, bounds_remark};
 use crate::error::SolveError;
 use crate::fit::problem::SingleMassFitOptions;
 use crate::solvers::fitting::{FitStart, FitTask, computed, window_note};
@@ -126,14 +126,13 @@ fn fitted(
         evaluations: fit.evaluations,
         ..FitStart::computed(model.clone())
     };
-    let minimum = fitting.minimum(&start);
-    let free = minimum.filter(|minimum| match &minimum.model {
+    let meets_conditions = |minimum: &Minimum| match &minimum.model {
         Model::Nonlinear1(model) => fitting.meets_conditions(model),
         _ => true,
-    });
-    Ok(vec![match free {
-        Some(minimum) => fitting.candidate(&start, minimum, 1, &remarks),
-        None => printed(&fitting, model, fit, remarks),
+    };
+    Ok(vec![match fitting.minimum(&start) {
+        Some(minimum) if meets_conditions(&minimum) => fitting.candidate(&start, minimum, 1, &remarks),
+        nearby => printed(&fitting, model, fit, remarks, nearby),
     }])
 }
 
@@ -145,15 +144,16 @@ fn as_printed(
     find: impl FnOnce(&Signal<Displacement>, &SingleMassFitOptions, &mut Vec<String>) -> OnTheMotion,
 ) -> Result<Vec<Candidate>, SolveError> {
     let Some((fitting, (model, fit), remarks)) = start_of(task, extent, notes, find)? else { return Ok(Vec::new()) };
-    Ok(vec![printed(&fitting, model, fit, remarks)])
+    let start = FitStart { on_bound: fit.active_bounds.clone(), ..FitStart::computed(model.clone()) };
+    let nearby = fitting.minimum(&start);
+    Ok(vec![printed(&fitting, model, fit, remarks, nearby)])
 }
 
-fn printed(fitting: &FitTask<'_>, model: Model, fit: Fit, remarks: Vec<String>) -> Candidate {
-    let start = FitStart { on_bound: fit.active_bounds.clone(), ..FitStart::computed(model.clone()) };
+/// The model as it was found, with the minimum nearby.
+fn printed(fitting: &FitTask<'_>, model: Model, fit: Fit, remarks: Vec<String>, minimum: Option<Minimum>) -> Candidate {
     let mut notes: Vec<Note> = remarks.into_iter().map(Note::info).collect();
     notes.push(window_note(&fit));
     notes.extend(bounds_remark(&model, &fit.active_bounds).map(Note::info));
-    let minimum = fitting.minimum(&start);
     Candidate { fit: Some(fit), minimum, ..computed(fitting.task, model, notes) }
 }
 

@@ -111,7 +111,7 @@ catalogue! {
         "as maximum_delta_v, along y" "49 CFR 563.5";
     TOTAL_DELTA_V = "delta-v-total" "total_delta_v" "m/s" FromMemory
         "largest sqrt(x^2 + y^2) of the changes of velocity along x and y at one time, from time zero to separation, \
-         300 ms at most" "49 CFR 563.5";
+         300 ms at most and as a recorder keeps them" "49 CFR 563.5";
     DIRECTION_OF_FORCE = "principal-direction-of-force" "principal_direction_of_force" "deg" Checked
         "angle at which the force came, from straight ahead (180: from behind), by the changes of velocity along x and \
          y at total_delta_v" "SAE J224";

@@ -147,7 +147,9 @@ fn limits([a, b]: [&Expected; 2], place: &impl Fn(&str, &str) -> Option<(String,
         return Vec::new();
     }
     let values = [a, b].map(|side| limits_of(&side.limits));
-    let pattern = |name: &str| b.limits.keys().find(|pattern| name.contains(pattern.as_str())).cloned();
+    // The longest: `/wave/*#x` holds `/wave/*`.
+    let patterns = || b.limits.keys();
+    let pattern = |name: &str| patterns().filter(|p| name.contains(p.as_str())).max_by_key(|p| p.len()).cloned();
     let limit = |(name, [from, to]): (String, [String; 2])| Cause {
         place: pattern(&name).and_then(|pattern| place(LIMITS, &pattern)),
         ..cause(CauseKind::Limit, &name, from, to)

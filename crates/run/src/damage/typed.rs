@@ -83,13 +83,19 @@ pub(super) fn restitution(text: &str) -> Result<f64, String> {
     if (0.0..1.0).contains(&e) { Ok(e) } else { Err(format!("{text:?} is not from 0 up to below 1")) }
 }
 
+/// What semicolons part, or commas where there are none: a comma is then that of a decimal.
+fn parts_of(text: &str) -> Vec<&str> {
+    let mark = if text.contains(';') { ';' } else { ',' };
+    text.split(mark).map(str::trim).collect()
+}
+
 /// `10,25,38,40,31,12 cm`: a unit behind the last value holds for those without one.
 pub(super) fn profile(text: &str) -> Result<Profile, String> {
-    let parts: Vec<&str> = text.split([',', ';']).map(str::trim).collect();
+    let parts = parts_of(text);
     let last = parts.last().copied().unwrap_or_default();
     // No unit of length has a digit.
     let unit = last.rsplit(|c: char| c.is_ascii_digit() || c == '.').next().unwrap_or_default();
-    let with_unit = |part: &&str| match part.bytes().all(|byte| byte.is_ascii_digit() || b".+-".contains(&byte)) {
+    let with_unit = |part: &&str| match part.bytes().all(|byte| byte.is_ascii_digit() || b".,+-".contains(&byte)) {
         true => not_negative(&format!("{part}{unit}"), LENGTH),
         false => not_negative(part, LENGTH),
     };
@@ -102,7 +108,7 @@ pub(super) fn profile(text: &str) -> Result<Profile, String> {
 
 /// `1400kg,56km/h,48cm,150cm`.
 pub(super) fn test(text: &str) -> Result<BarrierTest, String> {
-    let parts: Vec<&str> = text.split([',', ';']).collect();
+    let parts = parts_of(text);
     let [mass_kg, speed, crush, width] = parts[..] else {
         return Err(format!("{text:?} is not mass, impact speed, mean residual crush and width, e.g. {TEST}"));
     };
@@ -119,7 +125,7 @@ pub(super) const TEST: &str = "1400kg,56km/h,48cm,150cm";
 
 /// `2.2m/s,25/s` or `2.2m/s,25/s,1400kg,150cm`.
 pub(super) fn line(text: &str) -> Result<Line, String> {
-    let parts: Vec<&str> = text.split([',', ';']).collect();
+    let parts = parts_of(text);
     let (b0, b1, of) = match parts[..] {
         [b0, b1] => (b0, b1, None),
         [b0, b1, mass_kg, width] => (b0, b1, Some((mass(mass_kg)?, length(width)?))),
@@ -131,7 +137,7 @@ pub(super) fn line(text: &str) -> Result<Line, String> {
 
 /// `55kN/m,400kN/m^2`.
 pub(super) fn coefficients(text: &str) -> Result<Coefficients, String> {
-    let parts: Vec<&str> = text.split([',', ';']).collect();
+    let parts = parts_of(text);
     let [a, b] = parts[..] else { return Err(format!("{text:?} is not A and B, e.g. 55kN/m,400kN/m^2")) };
     let a_n_per_m = not_negative(a, Dimension::Stiffness)?;
     let no_b = |_| format!("{b:?} is no B above zero with its unit, e.g. 400kN/m^2 or 60lb/in^2");
@@ -146,6 +152,7 @@ mod tests {
     fn a_profile_has_one_unit_or_one_each() {
         assert_eq!(profile("10,25, 38 cm"), Ok(Profile(vec![0.1, 0.25, 0.38])));
         assert_eq!(profile("10cm;250 mm;0.5m"), Ok(Profile(vec![0.1, 0.25, 0.5])));
+        assert_eq!(profile("10,5;25,3;38,1cm"), Ok(Profile(vec![0.105, 0.253, 0.381])));
         assert_eq!(profile("50,1e2mm"), Ok(Profile(vec![0.05, 0.1])));
         for wrong in ["10,20", "10cm", "10,-2 cm", "10,x cm", "1,2,3,4,5,6,7,8,9,10,11,12,13 cm", "", "10 kg,3 kg"] {
             assert!(profile(wrong).is_err(), "{wrong}");

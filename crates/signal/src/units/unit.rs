@@ -371,7 +371,9 @@ pub fn parse_value(text: &str, dimension: Dimension) -> Result<f64, UnitError> {
         }
     }
     let (number, unit) = (&trimmed[..end], trimmed[end..].trim());
-    if number.find(',').is_some_and(|comma| digits_after(comma + 1) == 3) {
+    let is_of_thousands =
+        |comma: usize| digits_after(comma + 1) == 3 && number[..comma].trim_start_matches(['+', '-']) != "0";
+    if number.find(',').is_some_and(is_of_thousands) {
         return Err(UnitError::Comma { text: text.to_owned() });
     }
     let number: f64 = match number.replace(',', ".").parse::<f64>() {
@@ -412,6 +414,7 @@ mod tests {
         assert_eq!(parse_value("30 mph", SPEED), Ok(13.4112));
         assert_eq!(parse_value("37,8km/h", SPEED), parse_value("37.8km/h", SPEED));
         assert!(matches!(parse_value("1,719 kg", Mass), Err(UnitError::Comma { .. })));
+        assert_eq!(parse_value("0,125 m", Signal(Q::Displacement)), Ok(0.125));
         assert!(parse_value("1,2,3 kg", Mass).is_err() && parse_value("5, kg", Mass).is_err());
     }
 

@@ -9,7 +9,7 @@ use crumple_artifact::{TOLERANCE_HINT, TOPICS, ToleranceRule};
 use toml::{Table, Value};
 
 use crate::error::{Usage, unknown_name};
-use crate::names::{STAGES, nearest};
+use crate::names::STAGES;
 
 /// A name with the pipeline of it.
 macro_rules! built_in {
@@ -385,23 +385,23 @@ impl Pipeline {
     }
 }
 
-/// Errors: a limit that is none, or a pattern that matches no topic.
+/// Letters that differ in a topic that was mistyped.
+const MISTYPED: usize = 2;
+
+/// Errors: a limit that is none, or a pattern that matches no topic of the stages and is near to one. A program of its
+/// own may write other topics.
 fn refuse_wrong_limits(path: &Path, limits: &Table) -> Result<(), Usage> {
     for (pattern, line) in limits {
         let refused = |problem: String| Usage::new(format!("{}, [{LIMITS}]: {problem}", path.display()));
         let rule =
             ToleranceRule::read(pattern, line.clone()).map_err(|problem| refused(problem).hint(TOLERANCE_HINT))?;
-        if !rule.is_of_known_topic() {
+        let is_typo = |topic: &&str| strsim::damerau_levenshtein(topic, &rule.topic) <= MISTYPED;
+        let lacks_slash = |topic: &&str| topic.strip_prefix('/') == Some(&rule.topic);
+        let near = TOPICS.iter().copied().find(|topic| is_typo(topic) || lacks_slash(topic));
+        if let Some(near) = near.filter(|_| !rule.is_of_known_topic()) {
             let problem = format!("{pattern:?}: no stage writes a topic {:?}", rule.topic);
-            return Err(refused(format!("{problem}, expected one of docs/format.md")).hint(
-                match nearest(&rule.topic, TOPICS.iter().copied()) {
-                    Some(near) => {
-                        format!("did you mean {near:?}? A topic of your own: crumple diff A B --tolerance FILE")
-                    }
-                    None => "e.g. \"/metrics#[olc].value\"; of a topic of your own: crumple diff A B --tolerance FILE"
-                        .into(),
-                },
-            ));
+            return Err(refused(format!("{problem}, expected one of docs/format.md"))
+                .hint(format!("did you mean {near:?}? A topic of your own: crumple diff A B --tolerance FILE")));
         }
     }
     Ok(())

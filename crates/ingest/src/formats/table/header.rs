@@ -203,7 +203,6 @@ fn units_line(lines: &[(usize, Vec<String>)], count: usize) -> Option<usize> {
 
 /// The cells of a header line. Its delimiter may differ from that of the rows (`# time(s), <tab> acceleration(g)` over
 /// blanks): then the one that gives as many cells as there are columns is taken.
-/// The cells of a line before the rows.
 pub fn cells(line: &Line, layout: &Layout) -> Vec<String> {
     let count = layout.columns;
     // A cell broken into lines is one.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use crumple_signal::Notes;
 use crumple_signal::value::Time;
 
+use crate::error::Question;
 use crate::formats::text::column_names::Unit;
 use crate::formats::text::stamps::{Instant, resolution_of_stamps};
 use crate::formats::waveform::channel::{Label, Waveform, is_named_time};
@@ -218,6 +219,7 @@ impl Clocks {
             format!("the times of the samples: a channel of times, or an interval of {LONGEST_INTERVAL_S} s at most"),
             "state the sampling interval, such as --sample-time 100us",
         )
+        .asking(Question::Interval)
     }
 
     /// Whether any channels were brought to a uniform rate.
