@@ -5,9 +5,9 @@ use crumple_signal::Sampled;
 use crate::Metric;
 use crate::metric::definitions::{BRIC, NIJ};
 
-/// Critical angular velocities about x, y and z, rad/s: the averages of those by cumulative strain damage and by maximum
-/// principal strain (E. G. Takhounts et al., *Development of Brain Injury Criteria (BrIC)*, Stapp Car Crash Journal 57,
-/// 2013).
+/// Critical angular velocities about x, y and z, rad/s: the averages of those by cumulative strain damage and by
+/// maximum principal strain (E. G. Takhounts et al., *Development of Brain Injury Criteria (BrIC)*, Stapp Car Crash
+/// Journal 57, 2013).
 const CRITICAL_RAD_PER_S: [f64; 3] = [66.25, 56.45, 42.87];
 /// From the upper load cell of a Hybrid III neck down to the occipital condyles, m (SAE J1733).
 const LEVER_M: f64 = 0.017_78;
@@ -60,8 +60,9 @@ pub struct Neck<'a> {
     pub moment_n_m: &'a Sampled,
 }
 
-/// Largest of the four neck criteria `Fz/Fzc + My/Myc` from tension or compression and flexion or extension at one time,
-/// `My` at the occipital condyles: that of the load cell less 17.78 mm times the shear. Absent for waves on other grids.
+/// Largest of the four neck criteria `Fz/Fzc + My/Myc` from tension or compression and flexion or extension at one
+/// time, `My` at the occipital condyles: that of the load cell less 17.78 mm times the shear. Absent for waves on
+/// other grids.
 pub fn nij(neck: Neck<'_>, dummy: Dummy) -> Metric {
     let Neck { axial_n, shear_n, moment_n_m } = neck;
     let grid = |wave: &Sampled| (wave.t0_s(), wave.dt_s(), wave.len());

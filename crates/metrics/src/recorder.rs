@@ -79,8 +79,9 @@ pub struct RecordedImpact<'a> {
 const OF_A_BOUND: &str = "of a change that is a lower bound";
 
 impl RecordedImpact<'_> {
-    /// The largest change along y, the total of both axes and its direction; and where the recorder kept a loss of speed
-    /// along x the energy-equivalent speed, with the impact speed the share of the kinetic energy and the crush.
+    /// The largest change along y, the total of both axes and its direction; and where the recorder kept a loss of
+    /// speed along x the energy-equivalent speed, with the impact speed the share of the kinetic energy and the
+    /// crush.
     ///
     /// With the speed `v0`, the loss `D` and the change `y` across at the same time the energy-equivalent speed is
     /// `sqrt(v0² - (v0 - D)² - y²)`: rotation is left out. Without it `v0 = D/(1 + e)` makes `D·sqrt((1 - e)/(1 + e))`

@@ -25,8 +25,8 @@ pub(crate) fn row_at_contact(change: &Sampled) -> (usize, f64) {
 /// `along` is a change of velocity along x (a frontal impact is negative), `across` one along y (to the right is
 /// positive, SAE J211), both m/s. The total is the largest `sqrt(x² + y²)` at a sample of `along` from contact to
 /// `until_s`, 300 ms at most (49 CFR 563.5 of the resultant). A force acts along the change of velocity, so it came
-/// from `atan2(|y|, -x)` off straight ahead: 0 from ahead, 90 from a side, 180 from behind. The side and the hour of the
-/// clock (SAE J224) stand in the definition. `half_steps` are the half widths of what is known of both, m/s: the
+/// from `atan2(|y|, -x)` off straight ahead: 0 from ahead, 90 from a side, 180 from behind. The side and the hour of
+/// the clock (SAE J224) stand in the definition. `half_steps` are the half widths of what is known of both, m/s: the
 /// interval goes over their corners.
 pub fn total_and_direction(
     along: &Sampled,

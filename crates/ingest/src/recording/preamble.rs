@@ -40,9 +40,10 @@ const SPEED: [&str; 14] = [
     "velocidaddeimpacto",
 ];
 
-/// Takes mass and speed from rows, each with where it stands, in words, where nothing else states them. A row is a name,
-/// a value, and its unit with the value, in the next cell, or in brackets behind the name: `Masse;1719 kg`, `Test mass
-/// [kg],1719`. Other rows are left alone; two that differ state nothing, which is noted, as is a value without a unit.
+/// Takes mass and speed from rows, each with where it stands, in words, where nothing else states them. A row is a
+/// name, a value, and its unit with the value, in the next cell, or in brackets behind the name: `Masse;1719 kg`,
+/// `Test mass [kg],1719`. Other rows are left alone; two that differ state nothing, which is noted, as is a value
+/// without a unit.
 pub fn take(rows: impl Iterator<Item = (String, Vec<String>)>, details: &mut Details, notes: &mut Notes) {
     let (mut masses, mut speeds) = (Vec::new(), Vec::new());
     for (from, cells) in rows {

@@ -82,8 +82,8 @@ fn of_reading(unit: &str) -> Option<(f64, bool)> {
     signal_unit(unit).filter(|(kind, _)| *kind == QuantityKind::Voltage).map(|(_, factor)| (factor, true))
 }
 
-/// What one of the reading is of a quantity, from so much above for so much below a slash: the factor, the quantity, and
-/// whether the reading is in volts.
+/// What one of the reading is of a quantity, from so much above for so much below a slash: the factor, the quantity,
+/// and whether the reading is in volts.
 fn ratio(above: &str, below: &str) -> Option<(f64, QuantityKind, bool)> {
     let (value, above) = number(above).filter(|(value, _)| *value != 0.0)?;
     let below = without_brackets(below.trim());

@@ -23,8 +23,8 @@ pub struct TestsV2 {
     pub tests: Vec<JointTestV1>,
     /// What the speeds of the tests say of the rate factor of a structure: `fitted` or `prior`.
     pub rate_factor: String,
-    /// Standard deviation of a dynamic crush by the inputs of all tests (speed, zero level, gain, time zero, each of its
-    /// own test), over the crush; `null`: not known of one of them.
+    /// Standard deviation of a dynamic crush by the inputs of all tests (speed, zero level, gain, time zero, each of
+    /// its own test), over the crush; `null`: not known of one of them.
     pub crush_deviation: Option<f64>,
 }
 
