@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The tests that one model was fitted to, before their inputs were part of it.
+/// The tests that one model was fitted to. Topic `/tests`.
 ///
 /// Where an artifact holds it, candidates are of all of these tests, with the mass of the first in `/test`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
