@@ -11,7 +11,7 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 python3 -m venv venv
-venv/bin/pip install --quiet --disable-pip-version-check --only-binary :all: \
+venv/bin/pip install --quiet --disable-pip-version-check --no-compile --only-binary :all: \
   asammdf==8.8.28 numpy==2.4.6 pandas==3.1.1 scipy==1.17.1
 cat > run.py <<'PY'
 from importlib.metadata import version

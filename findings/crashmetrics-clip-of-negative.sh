@@ -10,7 +10,7 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 python3 -m venv venv
-venv/bin/pip install --quiet --disable-pip-version-check --only-binary :all: \
+venv/bin/pip install --quiet --disable-pip-version-check --no-compile --only-binary :all: \
   crashmetrics==0.6.0 numpy==1.26.4
 cat > run.py <<'PY'
 from importlib.metadata import version

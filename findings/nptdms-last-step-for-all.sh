@@ -5,13 +5,13 @@
 #   ms are given 500 ms, 1 ms.
 # Version: npTDMS 1.13.0, Python 3.11
 # Hurts: two records appended to one file, or a logger that changes its rate at the trigger: the pulse is ten
-#   times too long, and so is its change of velocity.
+#   times too long, and its change of velocity ten times too large.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 python3 -m venv venv
-venv/bin/pip install --quiet --disable-pip-version-check --only-binary :all: \
+venv/bin/pip install --quiet --disable-pip-version-check --no-compile --only-binary :all: \
   npTDMS==1.13.0 numpy==2.4.6
 cat > run.py <<'PY'
 from importlib.metadata import version

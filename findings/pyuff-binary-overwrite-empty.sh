@@ -9,7 +9,7 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 python3 -m venv venv
-venv/bin/pip install --quiet --disable-pip-version-check --only-binary :all: \
+venv/bin/pip install --quiet --disable-pip-version-check --no-compile --only-binary :all: \
   pyuff==2.5.8 numpy==2.4.6
 cat > run.py <<'PY'
 import os

@@ -10,7 +10,7 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$folder"
 python3 -m venv venv
-venv/bin/pip install --quiet --disable-pip-version-check --only-binary :all: \
+venv/bin/pip install --quiet --disable-pip-version-check --no-compile --only-binary :all: \
   xlsxwriter==3.3.1 openpyxl==3.1.5 python-calamine==0.9.1 pandas==2.2.3 numpy==2.4.6
 cat > run.py <<'PY'
 from importlib.metadata import version
