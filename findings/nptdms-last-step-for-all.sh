@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Guess: a channel that goes on in a second segment with another start and step gets a time axis of both, or an
 #   error.
-# Seen: time_track() applies the start and step of the last segment to all samples: ten samples at -10 ms, 0.1
-#   ms are given 500 ms, 1 ms.
+# Seen: time_track() applies the start and step of the last segment to all samples: ten samples from -10 ms in
+#   steps of 0.1 ms are placed from 500 ms in steps of 1 ms.
 # Version: npTDMS 1.13.0, Python 3.11
 # Hurts: two records appended to one file, or a logger that changes its rate at the trigger: the pulse is ten
 #   times too long, and its change of velocity ten times too large.
