@@ -166,6 +166,21 @@ bench *args:
         cargo run --quiet --release --package crumple-testkit -- performance target/bench.ndjson; }
 
 # Of the whole workspace, as `just test` is: one package alone has other features of its dependencies, and all would be compiled twice.
+# Each installs the public packages it is about in a folder of its own (Python 3.11, a package index, a quarter of an hour).
+# Runs findings/*.sh in turn and says which still behave as stated (CONTRIBUTING.md#findings): `just findings [NAME ...]`.
+[group('development')]
+[no-exit-message]
+findings *names:
+    @log="$(mktemp)"; trap 'rm -f "$log"' EXIT; changed=0; \
+    [ $# -gt 0 ] || set -- $(for file in findings/*.sh; do basename "$file" .sh; done); \
+    for name in "$@"; do \
+        start=$(date +%s); verdict="as stated"; \
+        "findings/$name.sh" >"$log" 2>&1 || { verdict=changed; changed=1; }; \
+        printf '%-36s %4s s  %s\n' "$name" "$(($(date +%s) - start))" "$verdict"; \
+        [ "$verdict" = "as stated" ] || sed 's/^/    /' "$log" >&2; \
+    done; \
+    exit "$changed"
+
 # Spelling, formatting, lints, the rules of the house (crates/testkit/tests/architecture), documentation.
 [group('development')]
 lint:
