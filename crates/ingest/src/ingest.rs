@@ -3,7 +3,9 @@
 use crumple_artifact::records::{DamageV1, VehicleV1};
 use crumple_metrics::{Exchange, Plausibility, plausibility};
 use crumple_signal::value::Time;
-use crumple_signal::{About, Channel, KindOfTest, Notes, Source, TestDescription, TestKind, Weight, part_of};
+use crumple_signal::{
+    About, Channel, KindOfTest, Notes, Source, TestDescription, TestKind, Weight, is_mass_of_a_vehicle, part_of,
+};
 
 use crate::checks::exchanges::Answer;
 use crate::checks::{channel_quality, exchanges};
@@ -164,6 +166,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
     if let Some(sidecar) = &bundle.sidecar {
         details::apply(&mut recording.details, &stated_in_sidecar, &sidecar.name, &mut notes);
     }
+    let of_record = recording.details.mass_kg.as_ref().map(|mass| mass.value);
     details::apply(&mut recording.details, flags, "flag", &mut notes);
     let is_of_occupant = pulse.is_some_and(|k| part_of(&recording.channels[k].channel).is_some());
     details::check(file, &recording.details)?;
@@ -201,7 +204,8 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
     channel_quality::check(&waves, pulse_id.as_deref(), speed, polarity, &mut notes);
     let pulse_id = pulse_id.or(velocity.map(|k| recording.channels[k].channel.id.clone()));
     if !is_of_occupant {
-        details::question_mass(&recording.details, flags.mass.is_some(), &mut notes);
+        let is_alone = flags.mass.is_some() && !of_record.is_some_and(is_mass_of_a_vehicle);
+        details::question_mass(&recording.details, is_alone, &mut notes);
     }
 
     let channels: Vec<Channel> = recording.channels.into_iter().map(|read| read.channel).collect();

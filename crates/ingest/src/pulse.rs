@@ -106,7 +106,11 @@ fn best_candidate(file: &str, recording: &Recording, candidates: &[usize]) -> Re
             }
             let found = format!("no acceleration column with data, but {}", content::list(&measured));
             let are_voltages = with_data().all(|channel| channel.quantity == QuantityKind::Voltage);
-            refuse_channel(file, found, "one", if are_voltages { EXPORT_IN_G } else { ANOTHER_RECORD })
+            let (expected, hint) = match are_voltages {
+                true => ("an acceleration, or volts with their sensitivity: --scale ch2=50mV/g", EXPORT_IN_G),
+                false => ("one", ANOTHER_RECORD),
+            };
+            refuse_channel(file, found, expected, hint)
         }
         ([], PulseRule::Fittest) => {
             let unread: Vec<&str> = recording.channels.iter().filter_map(|read| read.unread.as_deref()).collect();

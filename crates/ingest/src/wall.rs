@@ -83,6 +83,18 @@ pub fn place(file: &str, recording: &mut Recording, wanted: Option<&str>) -> Res
             }
         }
     };
+    if taken.is_empty() {
+        let left = channels.iter().filter(|read| {
+            let is_of_nothing = read.channel.location.is_empty() && criterion_of(&read.channel).is_none();
+            is_force(read) && is_of_nothing && read.channel.code.is_none()
+        });
+        let left: Vec<&str> = left.map(|read| read.channel.id.as_str()).collect();
+        if let [first, ..] = left.as_slice() {
+            let note =
+                format!("no force is taken for that of a wall: {}; --wall {first}, for example, names it", list(&left));
+            recording.notes.info(note);
+        }
+    }
     for k in &taken {
         recording.channels[*k].channel.location = BARRIER.to_owned();
     }

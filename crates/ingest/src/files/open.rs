@@ -427,10 +427,11 @@ mod tests {
 
     #[test]
     fn every_key_is_read_and_a_value_with_its_unit() {
-        let texts = "channel unit time_unit skip_to sheet field vehicle title barrier".split(' ');
+        let texts = "channel unit time_unit skip_to sheet field vehicle title barrier wall".split(' ');
         let texts = texts.map(|key| format!("{key} = \"x\"\n")).collect::<String>();
         let units = "mass = '873 kg'\nimpact_speed = '36 km/h'\ntime_zero = '1 s'\n\
-            sample_time = '1 s'\nresample = '9 Hz'\ntime_zero_uncertainty = '1 ms'\ntime_zero_rule = 'edr'";
+            sample_time = '1 s'\nresample = '9 Hz'\ntime_zero_uncertainty = '1 ms'\ntime_zero_rule = 'edr'\n\
+            scale = 'a=50mV/g'";
         let words = "sign = 'flip'\nkind = 'sled'\nprofile = 'edr'\nplace = 'head'\nimpact = 1\nvehicle_number = 1\n\
             allow_missing = true";
         let text = format!("{units}\n{words}\n{texts}");

@@ -111,9 +111,18 @@ fn number(value: &AttrValue) -> Option<f64> {
 
 fn text(value: &AttrValue) -> Option<String> {
     match value {
-        AttrValue::String(text) | AttrValue::AsciiString(text) => Some(text.clone()),
+        AttrValue::String(text)
+        | AttrValue::AsciiString(text)
+        | AttrValue::VarLenString(text)
+        | AttrValue::VarLenAsciiString(text) => Some(text.clone()),
         AttrValue::StringSized { value, .. } | AttrValue::AsciiStringSized { value, .. } => Some(value.clone()),
-        AttrValue::StringArray(texts) if texts.len() == 1 => texts.first().cloned(),
+        AttrValue::StringArray(texts)
+        | AttrValue::VarLenStringArray(texts)
+        | AttrValue::VarLenAsciiStringArray(texts)
+            if texts.len() == 1 =>
+        {
+            texts.first().cloned()
+        }
         _ => None,
     }
 }

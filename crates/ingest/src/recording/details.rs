@@ -252,7 +252,8 @@ const LIGHT_KG: f64 = 200.0;
 /// Masses of cars and vans, kg, of which one may have been meant.
 const CAR_KG: std::ops::RangeInclusive<f64> = 500.0..=5_000.0;
 
-/// Questions a mass that no vehicle has and that a file states, and says which unit would make it that of a car. One
+/// Questions a mass that no vehicle has and that a file states or contradicts, and says which unit would make it that
+/// of a car. One
 /// that a person typed, with its unit, is taken, with a note.
 pub fn question_mass(details: &Details, is_typed: bool, notes: &mut Notes) {
     let Some(Stated { value, from }) = details.mass_kg.as_ref().filter(|mass| !is_mass_of_a_vehicle(mass.value)) else {

@@ -118,7 +118,7 @@ fn a_force_of_the_wall_is_one_by_its_name_or_by_the_flag() {
         assert!(read.test.channels[1].is_wall_force(), "{name} {flags}");
     }
     assert!(!of("F3 [kN]", "").unwrap().test.channels[1].is_wall_force());
-    assert!(of("F3 [kN]", "--wall accel").unwrap_err().to_string().contains("is no force"));
+    assert!(of("F3 [kN]", "--wall accel_g").unwrap_err().to_string().contains("is no force"));
 }
 
 #[test]

@@ -235,7 +235,10 @@ impl RunTest {
         let refused = |problem: &str| {
             Refused::new(format!("{}: {problem}", self.name))
                 .expected("mass, impact speed, residual crush and width of a frontal barrier test")
-                .hint(format!("type what the file does not state: --test {TEST}"))
+                .hint(format!(
+                    "in place of --from {} type the test, with what its file lacks: --test {TEST}",
+                    self.name
+                ))
         };
         let (Some(mass_kg), Some(speed)) = (self.test.mass_kg, self.test.impact_speed_m_per_s) else {
             return Err(refused("mass or impact speed is not known"));

@@ -51,9 +51,21 @@ pub(super) fn mass(text: &str) -> Result<f64, String> {
     positive(text, Dimension::Mass)
 }
 
+/// Longest width, crush or yaw radius of a vehicle, m: more is a unit mistyped.
+const LONGEST_M: f64 = 10.0;
+
 /// A width or a yaw radius, m.
 pub(super) fn length(text: &str) -> Result<f64, String> {
-    positive(text, LENGTH)
+    of_a_vehicle(text, positive(text, LENGTH))
+}
+
+/// A length that a vehicle may have. An example in m would be followed as it stands.
+fn of_a_vehicle(text: &str, length: Result<f64, String>) -> Result<f64, String> {
+    let length = length.map_err(|problem| match text.trim().parse::<f64>() {
+        Ok(_) => format!("{text:?} has no unit: write it with one, such as 150cm"),
+        Err(_) => problem,
+    })?;
+    if length <= LONGEST_M { Ok(length) } else { Err(format!("{text:?} is {length} m, longer than any vehicle")) }
 }
 
 /// A lever arm, m; its side does not count.
@@ -68,6 +80,9 @@ pub(super) fn speed(text: &str) -> Result<f64, String> {
 
 /// The angle of the principal force, rad, at most 45°.
 pub(super) fn angle(text: &str) -> Result<f64, String> {
+    if text.trim().parse::<f64>().is_ok() {
+        return Err(format!("{text:?} has no unit: write an angle with one, such as 15deg"));
+    }
     let angle = value(text, ANGLE)?;
     // 45 deg as a product of roundings.
     let limit = std::f64::consts::FRAC_PI_4;
@@ -96,8 +111,8 @@ pub(super) fn profile(text: &str) -> Result<Profile, String> {
     // No unit of length has a digit.
     let unit = last.rsplit(|c: char| c.is_ascii_digit() || c == '.').next().unwrap_or_default();
     let with_unit = |part: &&str| match part.bytes().all(|byte| byte.is_ascii_digit() || b".,+-".contains(&byte)) {
-        true => not_negative(&format!("{part}{unit}"), LENGTH),
-        false => not_negative(part, LENGTH),
+        true => of_a_vehicle(part, not_negative(&format!("{part}{unit}"), LENGTH)),
+        false => of_a_vehicle(part, not_negative(part, LENGTH)),
     };
     let crush_m = parts.iter().map(with_unit).collect::<Result<Vec<f64>, String>>()?;
     if !(2..=MOST_STATIONS).contains(&crush_m.len()) {

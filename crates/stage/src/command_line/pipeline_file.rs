@@ -403,6 +403,10 @@ fn refuse_wrong_limits(path: &Path, limits: &Table) -> Result<(), Usage> {
             return Err(refused(format!("{problem}, expected one of docs/format.md"))
                 .hint(format!("did you mean {near:?}? A topic of your own: crumple diff A B --tolerance FILE")));
         }
+        if !rule.topic.starts_with(['/', '*', '?']) && !rule.topic.contains('.') {
+            let problem = format!("{pattern:?}: {:?} is no topic, expected one of docs/format.md", rule.topic);
+            return Err(refused(problem).hint("e.g. \"/metrics#[olc].value\""));
+        }
     }
     Ok(())
 }

@@ -190,6 +190,9 @@ fn is_ordinate(header: &TableHeader, data: &[usize], k: usize) -> bool {
     letter(k) == Some("y") && !data.iter().any(|other| matches!(letter(*other), Some("x" | "z")))
 }
 
+/// What a column may be that becomes the pulse.
+const ACCELERATION_OR_VOLTS: &str = "an acceleration column, or one of volts or counts with --scale ch2=50mV/g";
+
 /// What to do about a unit that is not known.
 fn of_unknown(symbol: &str) -> String {
     match near(symbol, ACCELERATION).as_slice() {
@@ -260,7 +263,7 @@ fn check_for_acceleration(
         None => {
             let hint = "export the acceleration of the vehicle, or its velocity with its unit: velocity_km_per_h";
             let found = format!("no column is an acceleration: {}", titles(header, data));
-            refuse_channel(file, found, "an acceleration column", hint)
+            refuse_channel(file, found, ACCELERATION_OR_VOLTS, hint)
         }
     }
 }

@@ -33,7 +33,7 @@ impl Unit {
             Self::Unknown(symbol) => format!("unit {symbol:?} is not known"),
             _ => "no unit is stated".to_owned(),
         };
-        let expected = format!("a unit of acceleration: {}", choices(ACCELERATION));
+        let expected = format!("a unit of acceleration: {}; of counts --scale ax=16384/g", choices(ACCELERATION));
         IngestError::content(place, found, expected, hint).asking(Question::Unit)
     }
 }
