@@ -174,9 +174,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
     let mut contact =
         contact::settle(file, &mut recording, (pulse, is_of_occupant, reader.format), &choices, &mut notes)?;
     times_in_range(file, &recording)?;
-    if let Some(k) = velocity {
-        pulse::speed_at_contact(&mut recording, k, &mut notes);
-    }
+    velocity.into_iter().for_each(|k| pulse::speed_at_contact(&mut recording, k, &mut notes));
     let is_turned = turn_sign(file, &mut recording, pulse, choices.sign.unwrap_or_default(), &mut notes)?;
     impact::take(file, &mut recording, pulse, choices.impact, &mut contact, &mut notes)?;
     let code = pulse.and_then(|k| recording.channels[k].channel.code.clone());
@@ -204,8 +202,8 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
     channel_quality::check(&waves, pulse_id.as_deref(), speed, polarity, &mut notes);
     let pulse_id = pulse_id.or(velocity.map(|k| recording.channels[k].channel.id.clone()));
     if !is_of_occupant {
-        let is_alone = flags.mass.is_some() && !of_record.is_some_and(is_mass_of_a_vehicle);
-        details::question_mass(&recording.details, is_alone, &mut notes);
+        let is_typed = flags.mass.is_some() && !of_record.is_some_and(is_mass_of_a_vehicle);
+        details::question_mass(&recording.details, is_typed, &mut notes);
     }
 
     let channels: Vec<Channel> = recording.channels.into_iter().map(|read| read.channel).collect();

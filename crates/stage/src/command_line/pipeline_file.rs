@@ -388,24 +388,19 @@ impl Pipeline {
 /// Letters that differ in a topic that was mistyped.
 const MISTYPED: usize = 2;
 
-/// Errors: a limit that is none, or a pattern that matches no topic of the stages and is near to one. A program of its
-/// own may write other topics.
+/// Errors: a limit that is none, or a pattern near to a topic of the stages that matches none of them.
 fn refuse_wrong_limits(path: &Path, limits: &Table) -> Result<(), Usage> {
     for (pattern, line) in limits {
         let refused = |problem: String| Usage::new(format!("{}, [{LIMITS}]: {problem}", path.display()));
         let rule =
             ToleranceRule::read(pattern, line.clone()).map_err(|problem| refused(problem).hint(TOLERANCE_HINT))?;
-        let is_typo = |topic: &&str| strsim::damerau_levenshtein(topic, &rule.topic) <= MISTYPED;
-        let lacks_slash = |topic: &&str| topic.strip_prefix('/') == Some(&rule.topic);
-        let near = TOPICS.iter().copied().find(|topic| is_typo(topic) || lacks_slash(topic));
-        if let Some(near) = near.filter(|_| !rule.is_of_known_topic()) {
-            let problem = format!("{pattern:?}: no stage writes a topic {:?}", rule.topic);
-            return Err(refused(format!("{problem}, expected one of docs/format.md"))
-                .hint(format!("did you mean {near:?}? A topic of your own: crumple diff A B --tolerance FILE")));
-        }
-        if !rule.topic.starts_with(['/', '*', '?']) && !rule.topic.contains('.') {
-            let problem = format!("{pattern:?}: {:?} is no topic, expected one of docs/format.md", rule.topic);
-            return Err(refused(problem).hint("e.g. \"/metrics#[olc].value\""));
+        let is_near = |topic: &&str| strsim::damerau_levenshtein(topic, &rule.topic) <= MISTYPED;
+        let near = TOPICS.iter().copied().find(is_near).filter(|_| !rule.is_of_known_topic());
+        if near.is_some() || !(rule.topic.starts_with(['/', '*', '?']) || rule.topic.contains('.')) {
+            let near = near.unwrap_or("/metrics");
+            return Err(refused(format!("{pattern:?}: no stage writes a topic {:?}", rule.topic)).hint(format!(
+                "did you mean {near:?}? docs/format.md has all; one of your own: crumple diff A B --tolerance FILE"
+            )));
         }
     }
     Ok(())
