@@ -27,7 +27,7 @@ texts! { RunTexts
     other_models: "the recommended model ({names})";
     no_model: "none";
     tolerance: "0.1 ms, 1 mm, 0.01 m/s, else 0.5 %";
-    own_limits: "the limits of [diff] in the first run's pipeline, else 0.1 ms, 1 mm, 0.01 m/s, 0.5 %";
+    own_limits: "the limits that the first run's pipeline states, else 0.1 ms, 1 mm, 0.01 m/s, 0.5 %";
     nothing_differs:
         "Nothing differs by more than {tolerance}.";
     differ:
