@@ -58,7 +58,7 @@ pub const TOPICS: [&str; 30] = [
 ];
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table such as { abs = 1e-6, rel = 1e-9 } or { ignore = true }")]
 struct Line {
     abs: Option<f64>,
     rel: Option<f64>,

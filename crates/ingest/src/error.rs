@@ -36,7 +36,7 @@ impl Display for Place {
 
 /// The formats that are read, in words.
 pub(crate) const WHAT_IS_READ: &str = concat!(
-    "a table of numbers, JSON lines, Excel, MATLAB, HDF5, NHTSA EV5, ISO-MME, TDMS, TDM, LVM, UFF 58, MCAP, ",
+    "a table of numbers, JSON lines, Parquet, Excel, MATLAB, HDF5, NHTSA EV5, ISO-MME, TDMS, TDM, LVM, UFF 58, MCAP, ",
     "a ROS 1 bag, or a zip of one"
 );
 /// What to do about samples that are missing inside a record.

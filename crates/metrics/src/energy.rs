@@ -1,5 +1,7 @@
 //! Work of the pulse, average stiffness, crush energy.
 
+use std::ops::RangeInclusive;
+
 use crumple_signal::{Acceleration, Displacement, Signal};
 
 use crate::metric::definitions::{CRASH3_A, CRASH3_B, CRASH3_G, CRUSH_ENERGY};
@@ -159,16 +161,8 @@ pub struct WallStiffness {
 /// The work is an integral over the displacement, not over the time, so the sampling does not weigh. Both lists are to
 /// be of the same filter class.
 pub fn wall_stiffness(displacement_m: &[f64], force_n: &[f64]) -> Option<WallStiffness> {
-    let all_finite = displacement_m.iter().chain(force_n).all(|x| x.is_finite());
-    if displacement_m.len() != force_n.len() || !all_finite {
-        return None;
-    }
-    let end = displacement_m.iter().position(|x| *x >= KW400_TO_M)?;
-    let start = displacement_m[..end].iter().rposition(|x| *x <= 0.0).unwrap_or(0);
-    if displacement_m[start] > KW400_FROM_M {
-        return None;
-    }
-    let (x, force) = (&displacement_m[start..=end], &force_n[start..=end]);
+    let way_in = way_in(displacement_m, force_n)?;
+    let (x, force) = (&displacement_m[way_in.clone()], &force_n[way_in]);
     let moments = |from: f64, to: f64| moments(x, force, from, to);
     let work_j = moments(KW400_FROM_M, KW400_TO_M)[0];
     let square = |x: f64| 0.5 * x * x;
@@ -185,6 +179,28 @@ pub fn wall_stiffness(displacement_m: &[f64], force_n: &[f64]) -> Option<WallSti
         initial_n_per_m: (moment - first * area / length) / (second - first * first / length),
         initial_through_origin_n_per_m: moment / second,
     })
+}
+
+/// The samples of the way in: from the last one at or before contact to the first one at or beyond 400 mm.
+fn way_in(displacement_m: &[f64], force_n: &[f64]) -> Option<RangeInclusive<usize>> {
+    let all_finite = displacement_m.iter().chain(force_n).all(|x| x.is_finite());
+    if displacement_m.len() != force_n.len() || !all_finite {
+        return None;
+    }
+    let end = displacement_m.iter().position(|x| *x >= KW400_TO_M)?;
+    let start = displacement_m[..end].iter().rposition(|x| *x <= 0.0).unwrap_or(0);
+    (displacement_m[start] <= KW400_FROM_M).then_some(start..=end)
+}
+
+/// Average height of force, m: the height at which the force of a wall acts, over the displacement from 25 to 400 mm,
+/// each part weighted with its force, `∫M dx / ∫F dx`. `M`, N·m, is the sum of the forces of the cells, each times its
+/// height above ground; `F` their sum, N. `None` as [`wall_stiffness`], and where the force does no work.
+pub fn average_height_of_force(displacement_m: &[f64], force_n: &[f64], moment_n_m: &[f64]) -> Option<f64> {
+    let (of_force, of_moment) = (way_in(displacement_m, force_n)?, way_in(displacement_m, moment_n_m)?);
+    let x = &displacement_m[of_force.clone()];
+    let work = |values: &[f64]| moments(x, values, KW400_FROM_M, KW400_TO_M)[0];
+    let work_j = work(&force_n[of_force]);
+    (work_j > 0.0).then(|| work(&moment_n_m[of_moment]) / work_j)
 }
 
 /// `∫F dx` and `∫x F dx` between two displacements, of straight lines between samples; before the first sample the
@@ -307,6 +323,20 @@ mod tests {
         }
         // (0.4² - 0.025²)/0.4².
         assert!((of.kw400_full_square_n_per_m / 1.1e6 - 255.0 / 256.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_height_of_force_is_that_of_the_rows_weighted_with_their_work() {
+        // A lower row of constant force at 0.3 m and an upper one that grows with the way at 0.6 m: work 1e5*0.375 and
+        // 1e6*(0.4^2 - 0.025^2)/2 J.
+        let x: Vec<f64> = (0..=45).map(|i| 0.01 * f64::from(i)).collect();
+        let force: Vec<f64> = x.iter().map(|x| 1e5 + 1e6 * x).collect();
+        let moment: Vec<f64> = x.iter().map(|x| 0.3 * 1e5 + 0.6 * 1e6 * x).collect();
+        let (lower, upper) = (1e5 * 0.375, 1e6 * (0.4 * 0.4 - 0.025 * 0.025) / 2.0);
+        let right = (0.3 * lower + 0.6 * upper) / (lower + upper);
+        assert!((average_height_of_force(&x, &force, &moment).unwrap() - right).abs() < 1e-12);
+        assert_eq!(average_height_of_force(&x[..30], &force[..30], &moment[..30]), None);
+        assert_eq!(average_height_of_force(&x, &vec![0.0; x.len()], &moment), None);
     }
 
     #[test]

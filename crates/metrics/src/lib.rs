@@ -77,7 +77,7 @@ pub use damage_speed::{
 };
 pub use energy::{
     CrushStiffness, DamageProfile, INITIAL_TO_M, KW400_FROM_M, KW400_TO_M, NO_DAMAGE_SPEED_M_PER_S, WallStiffness,
-    average_stiffness, energy_equivalent_speed, wall_stiffness,
+    average_height_of_force, average_stiffness, energy_equivalent_speed, wall_stiffness,
 };
 pub use error::MetricsError;
 pub use hic::{HIC15_WINDOW_S, HIC36_WINDOW_S, hic, hic_all_pairs, hic_d, hic_d_of};

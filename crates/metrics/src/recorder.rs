@@ -1,17 +1,13 @@
 //! What an event data recorder kept of an impact: the largest changes of velocity, the energy that went into
 //! deformation, the crush. Intervals are those of the steps in which the recorder keeps value and time.
 
-use crumple_signal::{Sampled, Signal};
+use crumple_signal::{Sampled, Signal, printed_step_m_per_s};
 
 use crate::metric::definitions::{
     ABSORBED_SHARE, MAXIMUM_DELTA_V, MAXIMUM_LATERAL_DELTA_V, RECORDED_CRUSH, RECORDED_EES, TIME_OF_MAXIMUM_DELTA_V,
 };
 use crate::two_axes::{LAST_S, row_at_contact, total_and_direction};
 use crate::{Definition, Interval, IntervalBy, Metric, PulseImpact, impacts, largest_restitution};
-
-/// Steps in which recorders keep a change of velocity, m/s: mph and km/h, whole, tenths and hundredths, the longest
-/// first.
-const STEPS_M_PER_S: [f64; 6] = [0.447_04, 1.0 / 3.6, 0.044_704, 0.1 / 3.6, 0.004_470_4, 0.01 / 3.6];
 
 /// Maximum delta-V and the time to it, of a cumulative change of velocity along one axis (49 CFR 563.5).
 ///
@@ -48,7 +44,7 @@ pub fn maximum_delta_v(change: &Sampled) -> [Metric; 2] {
         Metric { interval, ..metric }
     };
     let rounded_values = if start == 0.0 { 1.0 } else { 2.0 };
-    let step = printed_step(v).map(|step| 0.5 * step * rounded_values);
+    let step = printed_step_m_per_s(v).map(|step| 0.5 * step * rounded_values);
     [
         within(at(Metric::with_value(&MAXIMUM_DELTA_V, v[largest] - start)), step),
         within(at(Metric::with_value(&TIME_OF_MAXIMUM_DELTA_V, time_s)), Some(0.5 * change.dt_s())),
@@ -119,7 +115,7 @@ impl RecordedImpact<'_> {
     /// rows the whole.
     fn in_the_plane(&self, across: &Sampled) -> [Metric; 2] {
         let half = |wave: &Sampled, other: &Sampled| {
-            let step = printed_step(wave.samples()).or_else(|| printed_step(other.samples()))?;
+            let step = printed_step_m_per_s(wave.samples()).or_else(|| printed_step_m_per_s(other.samples()))?;
             Some(if row_at_contact(wave).1 == 0.0 { 0.5 * step } else { step })
         };
         let half_steps = half(self.along, across).zip(half(across, self.along));
@@ -140,7 +136,9 @@ impl RecordedImpact<'_> {
         });
         let y = across.map_or(0.0, |(_, y, _)| y.abs());
         // A column of zeros was printed as the other one.
-        let step = |across: &Sampled| printed_step(across.samples()).or_else(|| printed_step(self.along.samples()));
+        let step = |across: &Sampled| {
+            printed_step_m_per_s(across.samples()).or_else(|| printed_step_m_per_s(self.along.samples()))
+        };
         let half_step = across.map_or(Some(0.0), |(across, _, part)| step(across).map(|step| part * step));
         let speed2 = |loss: f64, y: f64| v0 * v0 - (v0 - loss) * (v0 - loss) - y * y;
         // The square rises with the loss up to v0, and falls beyond.
@@ -179,7 +177,7 @@ impl RecordedImpact<'_> {
             crush += 0.5 * pair[0] * part * dt;
             let time_s = before_s + (k as f64 + part) * dt;
             let metric = Metric::with_value(&RECORDED_CRUSH, crush).over(0.0, time_s);
-            let half = printed_step(samples).map(|step| 0.5 * step * time_s + 0.5 * dt * v0);
+            let half = printed_step_m_per_s(samples).map(|step| 0.5 * step * time_s + 0.5 * dt * v0);
             let ends = half.map(|half| Interval {
                 low: (crush - half).max(0.0),
                 high: crush + half,
@@ -189,14 +187,6 @@ impl RecordedImpact<'_> {
         }
         Metric::absent(&RECORDED_CRUSH, "the velocity does not reach zero in the table")
     }
-}
-
-/// The longest of the usual steps of which all values are whole multiples.
-fn printed_step(values: &[f64]) -> Option<f64> {
-    // A unit's factor is rounded once, and so is its multiple.
-    let is_whole = |value: f64, step: f64| (value / step - (value / step).round()).abs() < 1e-6;
-    let moves = values.iter().any(|value| *value != 0.0);
-    STEPS_M_PER_S.into_iter().find(|step| moves && values.iter().all(|value| is_whole(*value, *step)))
 }
 
 #[cfg(test)]

@@ -141,11 +141,16 @@ fn text(cell: &Cell, form: CsvForm) -> String {
     match cell {
         Cell::Empty => String::new(),
         Cell::Text(text) => guarded(text).into_owned(),
-        Cell::Number(number) if form == CsvForm::Plain => number.to_string(),
         Cell::Number(number) => {
-            let [plain, short] = [number.to_string(), format!("{number:e}")];
-            let shortest = if short.len() < plain.len() { short } else { plain };
-            if form == CsvForm::Semicolon { shortest.replace('.', ",") } else { shortest }
+            let mut plain = number.to_string();
+            let short = format!("{number:e}");
+            let is_shorter = form != CsvForm::Plain && short.len() < plain.len();
+            // Readers that take the first rows for the type of a column see that it is no count.
+            if number.fract() == 0.0 {
+                plain += ".0";
+            }
+            let number = if is_shorter { short } else { plain };
+            if form == CsvForm::Semicolon { number.replace('.', ",") } else { number }
         }
         Cell::Count(number) => number.to_string(),
         Cell::Flag(flag) => flag.to_string(),
@@ -246,8 +251,8 @@ mod tests {
         for text in ["=1", "+1", "-1", "@a", "\t=1", "\r=1"] {
             assert_eq!(guarded(text), format!("'{text}"));
         }
-        assert_eq!(written(&table, CsvForm::Sheet), "'=1+1,x\n'@a,0.30000000000000004\n'-b,1.5e-300\nc,-2\n");
-        assert_eq!(written(&table, CsvForm::Semicolon), "'=1+1;x\n'@a;0,30000000000000004\n'-b;1,5e-300\nc;-2\n");
+        assert_eq!(written(&table, CsvForm::Sheet), "'=1+1,x\n'@a,0.30000000000000004\n'-b,1.5e-300\nc,-2.0\n");
+        assert_eq!(written(&table, CsvForm::Semicolon), "'=1+1;x\n'@a;0,30000000000000004\n'-b;1,5e-300\nc;-2,0\n");
         for x in [f64::MIN_POSITIVE, f64::MAX, -0.0, 1.0 / 3.0, 5e-324, 123_456_789.123_456_79] {
             assert_eq!(text(&x.into(), CsvForm::Sheet).parse::<f64>().unwrap().to_bits(), x.to_bits());
         }

@@ -239,7 +239,7 @@ pub enum PulseError {
 }
 
 /// Masses of vehicles, kg: from a light quadricycle to a lorry with its load.
-const VEHICLE_KG: std::ops::RangeInclusive<f64> = 200.0..=60_000.0;
+pub const VEHICLE_KG: std::ops::RangeInclusive<f64> = 200.0..=60_000.0;
 
 /// Whether a vehicle may have this mass, kg: what is known of cars, such as how far they rebound, may be held against
 /// it.

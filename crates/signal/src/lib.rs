@@ -67,8 +67,8 @@ pub use butterworth::{Butterworth, Design, Phase, run_sections};
 pub use cfc::{Cfc, CfcMode, Class, Coefficients, CorridorPoint, corridor};
 pub use channels::{Axis, BARRIER, Channel, ChannelStatus};
 pub use description::{
-    ANOTHER_VEHICLE, BodyPart, Contact, KindOfTest, PulseError, Source, TestDescription, TestKind, criterion_of,
-    is_mass_of_a_vehicle, is_pattern, part_of, resolve_channels,
+    ANOTHER_VEHICLE, BodyPart, Contact, KindOfTest, PulseError, Source, TestDescription, TestKind, VEHICLE_KG,
+    criterion_of, is_mass_of_a_vehicle, is_pattern, part_of, resolve_channels,
 };
 pub use error::{FilterError, IntegrateError};
 pub use filter::{Applied, FilterSettings, Filtered, ZeroLevel, filter, filter_reporting};
@@ -83,6 +83,7 @@ pub use resampling::{Interpolation, Resampling, keep_every, kept, resample};
 pub use samples::{PreEvent, PreEventWindow, Sampled, Signal, SignalError, coarse_step, pre_event, pre_event_within};
 pub use summation::{
     IntegrationRule, acceleration_of_velocity_change, derivative_note, integrate_twice, integrate_twice_into,
+    printed_step_m_per_s,
 };
 pub use units::gravity::STANDARD_GRAVITY_M_PER_S2;
 pub use units::quantity::{Acceleration, Displacement, Force, Quantity, QuantityKind, Velocity};

@@ -221,23 +221,27 @@ pub fn acceleration_of_velocity_change(change: &Sampled) -> Result<Sampled, Sign
 /// Units in which recorders print a velocity: km/h, mph, m/s.
 const PRINTED_UNITS_M_PER_S: [f64; 3] = [1.0 / 3.6, 0.44704, 1.0];
 
-/// The step in which a change of velocity is printed, m/s: the largest of 1, 0.5, 0.1, 0.05, 0.01 and 0.001 km/h, mph
-/// or m/s of which all its values are multiples; else the smallest difference between two of them that is no rounding.
-/// `None` for a constant.
-pub fn printed_step_m_per_s(change: &Sampled) -> Option<f64> {
-    let mut values = change.samples().to_vec();
-    values.sort_unstable_by(f64::total_cmp);
-    let range = values.last()? - values.first()?;
-    // 1e-9 of the range: products with a unit differ in the last bits only.
-    let differences = values.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 1e-9 * range);
-    let smallest = differences.reduce(f64::min)?;
+/// The step in which changes of velocity are printed, m/s: the largest of 1, 0.5, 0.1, 0.05, 0.01 and 0.001 km/h, mph
+/// or m/s of which all are multiples. `None` where there is none, and where all are zero.
+pub fn printed_step_m_per_s(values: &[f64]) -> Option<f64> {
+    // A unit's factor is rounded once, and so is its multiple.
     let is_multiple = |value: f64, step: f64| (value / step - (value / step).round()).abs() < 1e-6;
+    let moves = values.iter().any(|value| *value != 0.0);
     [1.0, 0.5, 0.1, 0.05, 0.01, 0.001]
         .into_iter()
         .flat_map(|part| PRINTED_UNITS_M_PER_S.map(|unit| part * unit))
-        .filter(|step| values.iter().all(|value| is_multiple(*value, *step)))
+        .filter(|step| moves && values.iter().all(|value| is_multiple(*value, *step)))
         .reduce(f64::max)
-        .or(Some(smallest))
+}
+
+/// The smallest difference between two values that is no rounding; `None` for a constant.
+fn smallest_difference(values: &[f64]) -> Option<f64> {
+    let mut values = values.to_vec();
+    values.sort_unstable_by(f64::total_cmp);
+    let range = values.last()? - values.first()?;
+    // 1e-9 of the range: products with a unit differ in the last bits only.
+    let differences = values.windows(2).map(|pair| pair[1] - pair[0]);
+    differences.filter(|step| *step > 1e-9 * range).reduce(f64::min)
 }
 
 /// What an acceleration derived from a change of velocity can be used for, as a warning among `notes`.
@@ -246,7 +250,10 @@ pub fn printed_step_m_per_s(change: &Sampled) -> Option<f64> {
 /// whole km/h every 10 ms. `of` is the id of the channel it was derived from.
 pub fn derivative_note(change: &Sampled, of: &str, notes: &mut Notes) {
     let dt_s = change.dt_s();
-    let step = printed_step_m_per_s(change).map_or_else(String::new, |step| {
+    let values = change.samples();
+    let is_constant = values.windows(2).all(|pair| pair[0] == pair[1]);
+    let step = printed_step_m_per_s(values).filter(|_| !is_constant).or_else(|| smallest_difference(values));
+    let step = step.map_or_else(String::new, |step| {
         format!(
             "; its values come in steps of {step:.3} m/s, so that a sample may be {:.2} g wrong by rounding alone",
             step / (2.0 * dt_s) / STANDARD_GRAVITY_M_PER_S2
@@ -367,14 +374,15 @@ mod tests {
     fn the_step_of_the_print_is_found_in_si() {
         let km_per_h: Vec<f64> = [0, -3, -9, -14, -14, -13].iter().map(|v| f64::from(*v) / 3.6).collect();
         // 1 km/h; rounding of the differences.
-        assert!((printed_step_m_per_s(&sampled(&km_per_h)).unwrap() - 1.0 / 3.6).abs() < 1e-12);
-        assert_eq!(printed_step_m_per_s(&sampled(&[2.0, 2.0])), None);
+        assert!((printed_step_m_per_s(&km_per_h).unwrap() - 1.0 / 3.6).abs() < 1e-12);
+        assert_eq!((printed_step_m_per_s(&[0.0, 0.0]), smallest_difference(&[2.0, 2.0])), (None, None));
         // Tenths of a km/h whose neighbours are never one tenth apart.
         let tenths: Vec<f64> = [0, -14, -47, -93, -121].iter().map(|v| f64::from(*v) / 36.0).collect();
-        assert!((printed_step_m_per_s(&sampled(&tenths)).unwrap() - 1.0 / 36.0).abs() < 1e-12);
+        assert!((printed_step_m_per_s(&tenths).unwrap() - 1.0 / 36.0).abs() < 1e-12);
         // Of no printed step: the smallest difference.
         let odd = [0.0, -1.0 / 7.0, -std::f64::consts::PI];
-        assert!((printed_step_m_per_s(&sampled(&odd)).unwrap() - 1.0 / 7.0).abs() < 1e-12);
+        assert_eq!(printed_step_m_per_s(&odd), None);
+        assert!((smallest_difference(&odd).unwrap() - 1.0 / 7.0).abs() < 1e-12);
         let mut notes = Notes::new();
         derivative_note(&Sampled::new(0.0, 0.01, km_per_h).unwrap(), "dv", &mut notes);
         let text = notes.to_texts().join("");

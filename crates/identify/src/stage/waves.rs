@@ -209,7 +209,8 @@ fn described(waves: &[WindowedWave]) -> String {
     waves.iter().map(WindowedWave::describe).collect::<Vec<_>>().join("; ")
 }
 
-/// The first answering waveform: as asked for, else the displacement of the pulse.
+/// The first answering waveform: as asked for, else the displacement of the pulse, or the channel where that is no
+/// acceleration.
 pub fn output(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow::Result<WindowedWave> {
     let mut outputs = outputs(source, input_output)?;
     Ok(outputs.swap_remove(0))
@@ -217,10 +218,17 @@ pub fn output(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow:
 
 fn outputs(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow::Result<Vec<WindowedWave>> {
     if input_output.outputs.is_empty() {
-        let pulse = channel(source, &no_pulse())?;
-        return waves(vec![format!("{pulse}/displacement")], source);
+        let channel = channel(source, &no_pulse())?;
+        let answer =
+            if answers_itself(source, channel) { channel.to_owned() } else { format!("{channel}/displacement") };
+        return waves(vec![answer], source);
     }
     waves(input_output.outputs.clone(), source)
+}
+
+/// Whether a channel is its own answer: it is measured as another quantity than an acceleration, and nothing drives it.
+fn answers_itself(source: Source<'_>, channel: &str) -> bool {
+    source.inputs.wave_if(channel).is_some_and(|wave| wave.quantity != QuantityKind::Acceleration)
 }
 
 /// The windows of waveforms, any quantity, without the mean or the straight line that is to be removed.
@@ -262,7 +270,10 @@ fn find_wave<'a>(id: &str, source: Source<'a>) -> anyhow::Result<&'a Wave> {
 pub fn record(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow::Result<Record> {
     let mut outputs = outputs(source, input_output)?;
     let ids = match &input_output.inputs[..] {
-        [] => vec![channel(source, &no_pulse())?.to_owned()],
+        [] => {
+            let channel = channel(source, &no_pulse())?;
+            if answers_itself(source, channel) { Vec::new() } else { vec![channel.to_owned()] }
+        }
         [none] if none == "none" => Vec::new(),
         several => several.to_vec(),
     };

@@ -27,11 +27,11 @@ use crumple_signal::{
     is_gravity,
 };
 
-use crumple_metrics::{SMOOTHING_S, moving_mean};
+use crumple_metrics::{SMOOTHING_S, held_crossing, moving_mean};
 
+use crate::pulse;
 use crate::pulse::Polarity;
 use crate::recording::content::{Wave, list};
-use crate::{pulse, time};
 
 /// Noise before the event that is too much, m/s^2.
 const NOISE_M_PER_S2: f64 = G;
@@ -95,7 +95,7 @@ fn check_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, not
         ));
     }
     pulse::check(&pulse.samples, quality.zero_level(), speed_m_per_s, polarity, notes);
-    time::check(&pulse.samples, before_contact, notes);
+    note_level(&pulse.samples, before_contact, notes);
     if is_too_slow(pulse) {
         let needed = format!("CFC 60 needs at least {CFC60_RATE_HZ}. A crash pulse is not resolved");
         let text = format!("the pulse has {:.1} samples a second; {needed}", record.sample_rate_hz);
@@ -336,6 +336,33 @@ fn note_pair(channels: [&Channel; 2], waves: [&Wave; 2], speed: Option<f64>, not
         concern(Weight::Marked, format!("{text}: one of them may be wrong"), notes);
     } else {
         notes.info(text);
+    }
+}
+
+/// Level of the threshold rule, m/s^2 (0.5 g).
+const THRESHOLD_M_PER_S2: f64 = 0.5 * G;
+/// Held for 3 ms it changes the velocity by 106 km/h, over a crush of 44 mm: no structure of a vehicle does.
+const IMPLAUSIBLE_M_PER_S2: f64 = 1e3 * G;
+
+/// Notes a pulse that is stronger than any vehicle makes, or that no threshold finds.
+fn note_level(pulse: &Sampled, zero_level: Option<f64>, notes: &mut Notes) {
+    let zero_level = zero_level.unwrap_or(0.0);
+    let crossing = |m_per_s2: f64| held_crossing(pulse, zero_level, m_per_s2);
+    let largest = pulse.samples().iter().fold(0.0_f64, |largest, a| largest.max((a - zero_level).abs()));
+    if largest >= IMPLAUSIBLE_M_PER_S2 && crossing(IMPLAUSIBLE_M_PER_S2).is_some() {
+        let largest_g = largest / G;
+        let text = format!(
+            "the pulse stays above 1000 g for 3 ms (largest {largest_g:.0} g), no vehicle does: check its channel and \
+             unit"
+        );
+        notes.concern(About::Pulse, Weight::Decisive, text);
+    }
+    if crossing(THRESHOLD_M_PER_S2).is_none() {
+        notes.concern(
+            About::Pulse,
+            Weight::Decisive,
+            "the pulse never exceeds 0.5 g for 3 ms: check its channel and unit",
+        );
     }
 }
 

@@ -337,8 +337,10 @@ fn main_file_of(folder: &Path) -> Result<PathBuf> {
 /// Whether a file ends as tables and containers do, texts aside, which may be a readme; its content decides when it is
 /// read.
 fn is_named_as_a_record(path: &Path) -> bool {
-    const ENDINGS: [&str; 15] =
-        ["csv", "tsv", "xlsx", "mat", "tdms", "tdm", "lvm", "uff", "unv", "h5", "hdf5", "jsonl", "bag", "mcap", "zip"];
+    const ENDINGS: [&str; 16] = [
+        "csv", "tsv", "parquet", "xlsx", "mat", "tdms", "tdm", "lvm", "uff", "unv", "h5", "hdf5", "jsonl", "bag",
+        "mcap", "zip",
+    ];
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
     ending.is_some_and(|ending| ENDINGS.contains(&ending.as_str()))
 }

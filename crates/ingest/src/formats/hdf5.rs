@@ -6,13 +6,12 @@
 //! memory that is left before anything is read.
 
 use std::collections::HashMap;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crumple_signal::Notes;
 use hdf5_pure::{AttrValue, File, Group};
 
 use crate::formats::mat::columns;
-use crate::formats::reader::{Bundle, Reader};
+use crate::formats::reader::{Bundle, Reader, guarded};
 use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::conversion;
 use crate::recording::content::{Recording, list};
@@ -43,9 +42,7 @@ fn recognises(head: &[u8]) -> bool {
 
 fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
     let file = bundle.main.name.as_str();
-    // A fault of the crate on a damaged file is a refusal like any other.
-    let found = catch_unwind(AssertUnwindSafe(|| Found::of(bundle.main.bytes.clone())))
-        .unwrap_or_else(|_| Err("its structure contradicts itself".to_owned()));
+    let found = guarded(|| Found::of(bundle.main.bytes.clone()));
     let hint = "the file may be cut short: save it again, or export the channels as CSV";
     let found = found.map_err(|what| IngestError::content(file, what, "a whole HDF5 file", hint))?;
     let mut notes = Notes::new();

@@ -9,18 +9,13 @@ use serde_json::Value;
 use crate::formats::reader::{Bundle, Reader};
 use crate::formats::table::layout::{COLUMN_LIMIT, Cells};
 use crate::formats::table::numbers::Rows;
-use crate::formats::table::{channels_of, header, recording};
-use crate::formats::text::stamps::stamp;
+use crate::formats::table::{FLAGS_OF_ROWS, channels_of, header, recording};
 use crate::recording::content::{LineNumbers, Recording, list};
 use crate::recording::details::Details;
+use crate::time::stamps::stamp;
 use crate::{IngestSettings, Place, Result, refuse};
 
-pub const JSON_LINES: Reader = Reader::of_one_file(
-    "json-lines",
-    recognises,
-    &["--unit", "--time-unit", "--sample-time", "--vehicle-number", "--resample"],
-    read,
-);
+pub const JSON_LINES: Reader = Reader::of_one_file("json-lines", recognises, FLAGS_OF_ROWS, read);
 
 /// Objects within objects.
 const DEPTH: usize = 8;

@@ -6,11 +6,11 @@ use crumple_signal::Notes;
 
 use crate::formats::reader::{Bundle, Reader};
 use crate::formats::text::lines::{self, Lines, decode, without_mark};
-use crate::formats::text::stamps::{Instant, time_of_day};
 use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::conversion;
 use crate::recording::content::Recording;
 use crate::recording::details::{Details, Stated};
+use crate::time::stamps::{Instant, time_of_day};
 use crate::{GAPS_ARE_NOT_FILLED, IngestSettings, Result, refuse, time};
 
 /// Difference of clocks that counts as the same, s.

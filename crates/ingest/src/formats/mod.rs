@@ -10,6 +10,7 @@ pub mod lvm;
 pub mod mat;
 pub mod mcap;
 pub mod messages;
+pub mod parquet;
 pub mod protobuf;
 pub mod reader;
 pub mod registry;
@@ -20,11 +21,10 @@ pub mod tdms;
 pub mod universal;
 pub mod workbook;
 pub mod text {
-    //! Lines, numbers, times and column names of text files.
+    //! Lines, numbers and column names of text files.
 
     pub mod column_names;
     pub mod lines;
-    pub mod stamps;
 }
 pub mod waveform {
     //! Named waveforms of TDMS, TDM and LVM files as channels: identity, unit, time; what these formats share.

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -54,6 +55,11 @@ impl Reader {
             read,
         }
     }
+}
+
+/// What a library makes of a file; a fault of its own on a damaged file is a refusal like any other.
+pub(crate) fn guarded<T>(read: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(read)).unwrap_or_else(|_| Err("its structure contradicts itself".to_owned()))
 }
 
 /// A file's name without folder, and its content.

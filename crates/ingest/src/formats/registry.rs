@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 
 use crate::error::WHAT_IS_READ;
 use crate::formats::reader::{Bundle, NamedBytes, Reader};
-use crate::formats::{ev5, hdf5, iso_mme, json_lines, lvm, mat, mcap, ros_bag, table, tdm, tdms, universal, workbook};
+use crate::formats::{
+    ev5, hdf5, iso_mme, json_lines, lvm, mat, mcap, parquet, ros_bag, table, tdm, tdms, universal, workbook,
+};
 use crate::{IngestError, Result, refuse};
 
 /// All readers, the most particular first: the first that recognises a file reads it.
@@ -16,6 +18,7 @@ pub const READERS: &[&Reader] = &[
     &lvm::LVM,
     &mat::MAT,
     &hdf5::HDF5,
+    &parquet::PARQUET,
     &json_lines::JSON_LINES,
     &workbook::WORKBOOK,
     &universal::UNIVERSAL,
@@ -120,11 +123,6 @@ const FORMATS: &[Foreign] = &[
             python -c \"import asammdf; asammdf.MDF('FILE').export('csv', 'out.csv', time_from_zero=False, \
             add_units=True)\"; that writes a file out.NAME.csv for each channel group",
         |b| b.starts_with(b"MDF     ") || b.starts_with(b"UnFinMF "),
-    ),
-    (
-        "a Parquet file",
-        "write it as CSV: python -c \"import pandas; pandas.read_parquet('FILE').to_csv('out.csv', index=False)\"",
-        |b| b.starts_with(b"PAR1"),
     ),
     (
         "an Arrow or Feather file",
@@ -293,7 +291,7 @@ mod tests {
             }
             bytes
         };
-        let cases: [(&[u8], &str); 22] = [
+        let cases: [(&[u8], &str); 21] = [
             (b"%PDF-1.7\n", "PDF"),
             (b"TDSh\x0e\0\0\0", "TDMS index"),
             (b"SQLite format 3\0", "SQLite"),
@@ -301,7 +299,6 @@ mod tests {
             (b"MDF     4.10    ", "MDF4"),
             (b"{\"General Test Info\": {}}", "NHTSA"),
             (b"<?xml version=\"1.0\"?>\n<test>", "XML"),
-            (b"PAR1\x15\x04", "Parquet"),
             (b"ARROW1\0\0\xff", "Feather"),
             (b"\x93NUMPY\x01\0", "NumPy"),
             (b"# Created by Octave 7.3.0, Sat\n# name: t\n", "text file of Octave"),

@@ -9,12 +9,12 @@ use crate::formats::reader::{Bundle, Reader, stem};
 use crate::formats::tdms::metadata::{Strided, Type, numbers, times};
 use crate::formats::tdms::segments::{MANY_SAMPLES, SAMPLE_LIMIT};
 use crate::formats::text::lines::{decode, without_mark};
-use crate::formats::text::stamps::Instant;
-use crate::formats::text::stamps::instant;
 use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::conversion;
 use crate::recording::content::Recording;
 use crate::recording::details::{Details, Stated};
+use crate::time::stamps::Instant;
+use crate::time::stamps::instant;
 use crate::{IngestError, IngestSettings, Result, check_size, refuse, refuse_size};
 
 /// Largest header, bytes.

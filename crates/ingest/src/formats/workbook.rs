@@ -13,11 +13,11 @@ use crate::formats::table::layout::{COLUMN_LIMIT, Cells};
 use crate::formats::table::numbers::Rows;
 use crate::formats::table::{channels_of, header, recording};
 use crate::formats::text::column_names::{Unit, split_unit};
-use crate::formats::text::stamps::stamp;
 use crate::formats::waveform::channel::clean;
 use crate::recording::content::{LineNumbers, MINIMUM_SAMPLES, ReadChannel, Recording, list};
 use crate::recording::details::Details;
 use crate::recording::preamble;
+use crate::time::stamps::stamp;
 use crate::{IngestError, IngestSettings, Place, Result, refuse_size};
 
 /// Workbooks.

@@ -293,6 +293,11 @@ pub struct LineNumbers {
 }
 
 impl LineNumbers {
+    /// Those of rows that are numbered from 1.
+    pub fn of_rows(rows: usize) -> Self {
+        Self { runs: vec![(0, 1)], rows }
+    }
+
     /// Adds a row.
     #[inline]
     pub fn push(&mut self, line: usize) {
@@ -362,5 +367,18 @@ mod tests {
             assert!((from_s - 0.040).abs() < 2e-4 && (to_s - 0.043).abs() < 3e-4, "{step} g: {from_s} {to_s}");
             assert!(half_sine(step, |_, a| a.max(-12.0)).may_be_clipped(), "{step} g");
         }
+    }
+
+    #[test]
+    fn the_zero_level_agrees_with_another_implementation() {
+        // 0.35 g offset, half sine of -22 g and 90 ms from t = 0, 10 kHz from -50 ms; an independent script gives 0.35
+        // g from 401 samples.
+        let g = STANDARD_GRAVITY_M_PER_S2;
+        let at = |t: f64| {
+            0.35 - if (0.0..=0.09).contains(&t) { 22.0 * (std::f64::consts::PI * t / 0.09).sin() } else { 0.0 }
+        };
+        let wave = Sampled::new(-0.05, 1e-4, (0..2501).map(|k| g * at(f64::from(k - 500) * 1e-4)).collect()).unwrap();
+        let pre = measure(&wave, 0.0, true).pre_event.unwrap();
+        assert!((pre.zero_level / g - 0.35).abs() < 1e-9 && pre.samples == 401);
     }
 }

@@ -3,7 +3,7 @@
 use crumple_artifact::records::{DamageV1, VehicleV1};
 use crumple_signal::unit::{Dimension, parse_value};
 use crumple_signal::value::{Mass, Speed, Time};
-use crumple_signal::{ANOTHER_VEHICLE, About, Notes, QuantityKind, TestKind, Weight, is_mass_of_a_vehicle};
+use crumple_signal::{ANOTHER_VEHICLE, About, Notes, QuantityKind, TestKind, VEHICLE_KG, Weight, is_mass_of_a_vehicle};
 
 use crate::recording::stated_contact::TimeZero;
 use crate::{IngestError, IngestSettings, Place, Result, refuse};
@@ -247,21 +247,19 @@ pub fn note_missing(details: &Details, has_comments: bool, from_rest: bool, note
     }
 }
 
-/// Below this, kg, a thing may have been dropped.
-const LIGHT_KG: f64 = 200.0;
 /// Masses of cars and vans, kg, of which one may have been meant.
 const CAR_KG: std::ops::RangeInclusive<f64> = 500.0..=5_000.0;
 
 /// Questions a mass that no vehicle has and that a file states or contradicts, and says which unit would make it that
-/// of a car. One
-/// that a person typed, with its unit, is taken, with a note.
+/// of a car. One that a person typed, with its unit, is taken, with a note.
 pub fn question_mass(details: &Details, is_typed: bool, notes: &mut Notes) {
     let Some(Stated { value, from }) = details.mass_kg.as_ref().filter(|mass| !is_mass_of_a_vehicle(mass.value)) else {
         return;
     };
     if is_typed {
         let falls = "; in a vertical fall its weight acts as well: models and crush leave the weight out";
-        let falls = if *value < LIGHT_KG { falls } else { "" };
+        // What is lighter than any vehicle may have been dropped.
+        let falls = if value < VEHICLE_KG.start() { falls } else { "" };
         notes.info(format!("the mass of {value} kg is none of a vehicle and taken as typed{falls}"));
         return;
     }

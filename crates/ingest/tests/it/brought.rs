@@ -1,4 +1,4 @@
-//! Records as people bring them: HDF5 and JSON lines, volts and counts, forces of a wall, mass and speed above a table,
+//! Records as people bring them: HDF5, Parquet and JSON lines, volts and counts, forces of a wall, mass and speed above a table,
 //! and refusals that ask for everything at once.
 
 use crumple_ingest::{IngestError, Ingested};
@@ -31,19 +31,32 @@ fn hdf5_and_matlab_7_3() {
     check(&sound("v73.mat", "--time-zero-rule file").unwrap(), "accel_g");
 }
 
+/// Written by pandas 3.1.1 with pyarrow 26.0.1 (snappy, single precision, a column with nulls, one of texts) and by
+/// polars 2.1.0 (zstd, stamps in nanoseconds).
 #[test]
-fn a_cut_hdf5_file_is_refused() {
-    let bytes = std::fs::read(crumple_testkit::workspace().join("fuzz/corpus/record/packed.h5")).unwrap();
-    for length in [9, 100, 600, 2000, bytes.len() - 100] {
-        let error = read_as("a.h5", &bytes[..length], &given("")).unwrap_err();
-        assert!(!error.hint().is_empty(), "{length}: {error}");
+fn parquet_is_a_table() {
+    let of_pandas = sound("pulse.parquet", "--time-zero-rule file").unwrap();
+    check(&of_pandas, "accel");
+    assert!(notes(&of_pandas).contains("not read: label (texts)"), "{}", notes(&of_pandas));
+    // Stamps count from the first one.
+    check(&sound("stamps.parquet", "--time-zero 0.06s").unwrap(), "accel_g");
+}
+
+#[test]
+fn a_cut_file_is_refused() {
+    for name in ["packed.h5", "pulse.parquet"] {
+        let bytes = std::fs::read(crumple_testkit::workspace().join("fuzz/corpus/record").join(name)).unwrap();
+        for length in [9, 100, 600, 2000, bytes.len() - 100] {
+            let error = read_as(name, &bytes[..length], &given("")).unwrap_err();
+            assert!(!error.hint().is_empty(), "{length}: {error}");
+        }
     }
 }
 
 /// A flipped byte gives a record or a refusal with advice.
 #[test]
-fn a_damaged_hdf5_file_has_an_answer() {
-    for name in ["packed.h5", "v73.mat"] {
+fn a_damaged_file_has_an_answer() {
+    for name in ["packed.h5", "v73.mat", "pulse.parquet", "stamps.parquet"] {
         let sound = std::fs::read(crumple_testkit::workspace().join("fuzz/corpus/record").join(name)).unwrap();
         for k in 0..200 {
             let mut bytes = sound.clone();

@@ -4,22 +4,22 @@ use std::collections::BTreeMap;
 
 use crate::{CellSum, impulse_n_s, sum_of_cells};
 use crumple_metrics::definitions::{
-    BARRIER_DELTA_V, BARRIER_DELTA_V_AS_READ, BARRIER_IMPULSE, BARRIER_PEAK, KW400, MAXIMUM_LATERAL_DELTA_V,
+    AHOF400, BARRIER_DELTA_V, BARRIER_DELTA_V_AS_READ, BARRIER_IMPULSE, BARRIER_PEAK, KW400, MAXIMUM_LATERAL_DELTA_V,
     MOMENTUM_RATIO, WALL_INITIAL_STIFFNESS,
 };
 use crumple_metrics::{
-    CrushStiffness, DamageProfile, KW400_TO_M, Metric, RecordedImpact, cumulative, impacts_of_table, maximum_delta_v,
-    total_and_direction, wall_stiffness,
+    CrushStiffness, DamageProfile, KW400_TO_M, Metric, RecordedImpact, average_height_of_force, cumulative,
+    impacts_of_table, maximum_delta_v, total_and_direction, wall_stiffness,
 };
 use crumple_signal::{
     About, Axis, BARRIER, BodyPart, Channel, ChannelStatus, Motion, Notes, QuantityKind, Sampled, TestDescription,
     Weight, part_of,
 };
 use crumple_stage::records::{ChannelFilterV1, DamageV1, ImpactV1, ImpactsV1, MetricV1};
-use crumple_stage::{Inputs, Output, RefuseExt, option};
+use crumple_stage::{Inputs, Output, RefuseExt, Refused, option};
 
 use crate::stage::occupants_and_roadside::Criteria;
-use crate::stage::options::{BarrierCells, Damage};
+use crate::stage::options::{BarrierCells, Damage, StageSettings, WallHeight};
 use crate::stage::records::{impact_records, metric_record};
 
 /// Gap of impulse and change of momentum above which something does not fit.
@@ -37,12 +37,13 @@ pub struct Pulse<'a> {
 
 /// Sums the load cells, writes `/wave/barrier/force` and returns what is to be said of it in numbers.
 pub fn barrier(
-    cells: BarrierCells,
+    settings: &StageSettings,
     input: &Inputs,
     test: &TestDescription,
     pulse: &Pulse<'_>,
     out: &mut Output,
 ) -> anyhow::Result<Vec<MetricV1>> {
+    let cells = settings.barrier_cells;
     let listed: Vec<&Channel> = test.channels.iter().filter(|channel| channel.is_wall_force()).collect();
     let valid = |channel: &&&Channel| matches!(channel.status, ChannelStatus::Valid | ChannelStatus::Computed);
     let summed: Vec<(&str, &Sampled)> = match cells {
@@ -77,7 +78,8 @@ pub fn barrier(
         );
     }
     let as_read = as_read(input, &waves(input, listed.iter()))?;
-    let metrics = momentum(&sum, as_read, test.mass_kg, pulse, out);
+    let mut metrics = momentum(&sum, as_read, test.mass_kg, pulse, out);
+    metrics.extend(height_of_force(&settings.wall_heights, test, &sum, &summed, pulse.motion)?);
     out.wave("barrier/force", QuantityKind::Force, sum.force.into_sampled())?;
     Ok(metrics)
 }
@@ -189,20 +191,89 @@ fn momentum(
     .collect()
 }
 
+/// Why there is nothing over 400 mm.
+const TOO_SHORT: &str = "the sensor does not move 400 mm from time zero on within the record of the force";
+
+/// The displacement of the sensor at the samples of the force, from the sample `first` at time zero on, m.
+struct WayIn {
+    first: usize,
+    displacement_m: Vec<f64>,
+    /// When 400 mm are reached, else the end, s.
+    end_s: f64,
+}
+
+impl WayIn {
+    fn of(sum: &CellSum, motion: &Motion) -> Self {
+        let first = sum.force.index_at_or_after(0.0);
+        let displacement_m: Vec<f64> =
+            (first..sum.force.len()).map_while(|k| motion.displacement.at(sum.force.time_s(k))).collect();
+        let reached = displacement_m.iter().position(|x| *x >= KW400_TO_M).unwrap_or(displacement_m.len());
+        let end_s = sum.force.time_s((first + reached).min(sum.force.len().saturating_sub(1)));
+        Self { first, displacement_m, end_s }
+    }
+
+    /// The samples of the force over it.
+    fn of_force<'a>(&self, force_n: &'a [f64]) -> &'a [f64] {
+        &force_n[self.first..self.first + self.displacement_m.len()]
+    }
+}
+
 /// KW400 and initial stiffness: the force over the displacement of the sensor, from time zero on.
 fn stiffness(sum: &CellSum, motion: &Motion) -> [Metric; 2] {
-    let first = sum.force.index_at_or_after(0.0);
-    let pairs = (first..sum.force.len())
-        .map_while(|k| Some((motion.displacement.at(sum.force.time_s(k))?, sum.force.samples()[k])));
-    let (displacement_m, force_n): (Vec<f64>, Vec<f64>) = pairs.unzip();
-    let stiffness = wall_stiffness(&displacement_m, &force_n);
-    let reached = displacement_m.iter().position(|x| *x >= KW400_TO_M).unwrap_or(displacement_m.len());
-    let end_s = sum.force.time_s((first + reached).min(sum.force.len().saturating_sub(1)));
-    let why = "the sensor does not move 400 mm from time zero on within the record of the force";
+    let way = WayIn::of(sum, motion);
+    let stiffness = wall_stiffness(&way.displacement_m, way.of_force(sum.force.samples()));
     [
-        Metric::of(&KW400, stiffness.map(|s| s.kw400_n_per_m), why).over(0.0, end_s),
-        Metric::of(&WALL_INITIAL_STIFFNESS, stiffness.map(|s| s.initial_n_per_m), why).over(0.0, end_s),
+        Metric::of(&KW400, stiffness.map(|s| s.kw400_n_per_m), TOO_SHORT).over(0.0, way.end_s),
+        Metric::of(&WALL_INITIAL_STIFFNESS, stiffness.map(|s| s.initial_n_per_m), TOO_SHORT).over(0.0, way.end_s),
     ]
+}
+
+/// AHOF, where the heights of the cells are stated. Cells of the sum without a height leave it open.
+fn height_of_force(
+    heights: &[WallHeight],
+    test: &TestDescription,
+    sum: &CellSum,
+    summed: &[(&str, &Sampled)],
+    motion: &Motion,
+) -> anyhow::Result<Option<MetricV1>> {
+    if heights.is_empty() {
+        return Ok(None);
+    }
+    let mut height_of: BTreeMap<&str, f64> = BTreeMap::new();
+    for WallHeight { cells, height } in heights {
+        let ids = test.resolve_channels(cells).into_iter().map(|channel| channel.id.as_str());
+        let of_wall: Vec<&str> = ids.filter(|id| summed.iter().any(|(cell, _)| cell == id)).collect();
+        if of_wall.is_empty() {
+            let ids: Vec<&str> = summed.iter().map(|(id, _)| *id).collect();
+            return Err(Refused::new(format!(
+                "wall-heights names {cells:?}, which is no cell in the force of the wall"
+            ))
+            .expected(format!("an id, a code or a pattern of these: {}", some(&ids)))
+            .hint(format!("give the heights as {}", option("integrate", "wall-heights", "ID=250mm")))
+            .into());
+        }
+        height_of.extend(of_wall.into_iter().map(|id| (id, height.si())));
+    }
+    let cells = summed.iter().filter(|(id, _)| !sum.off_grid.iter().any(|off| off == id));
+    let mut moment_n_m = vec![0.0; sum.force.len()];
+    let mut unknown = Vec::new();
+    for (id, cell) in cells {
+        let Some(height_m) = height_of.get(id) else {
+            unknown.push(*id);
+            continue;
+        };
+        let arm_m = if sum.turned { -height_m } else { *height_m };
+        moment_n_m.iter_mut().zip(cell.samples()).for_each(|(moment, force)| *moment += arm_m * force);
+    }
+    let way = WayIn::of(sum, motion);
+    let value =
+        average_height_of_force(&way.displacement_m, way.of_force(sum.force.samples()), way.of_force(&moment_n_m));
+    let metric = if unknown.is_empty() {
+        Metric::of(&AHOF400, value, TOO_SHORT).over(0.0, way.end_s)
+    } else {
+        Metric::of(&AHOF400, None, &format!("no height is stated of {}", some(&unknown)))
+    };
+    Ok(Some(metric_record(&[BARRIER], &metric)))
 }
 
 /// Change of velocity by the barrier over that by the sensor, or why there is none.

@@ -125,7 +125,7 @@ impl Stage for Integrate {
             motion: &pulse.motion,
             separation_s: pulse.events.rebound.map(|rebound| rebound.time_s),
         };
-        metrics.extend(criteria::barrier(settings.barrier_cells, input, &test, &against, out)?);
+        metrics.extend(criteria::barrier(settings, input, &test, &against, out)?);
         metrics.extend(criteria::in_the_plane(input, &own_test, &channel, &against)?);
         let criteria = Criteria {
             settings,

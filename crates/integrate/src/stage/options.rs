@@ -83,6 +83,11 @@ pub struct Options {
     #[arg(long, value_enum)]
     pub barrier_cells: Option<BarrierCells>,
 
+    /// Heights above ground of the load cells of the barrier, e.g. 'B0BARR01*=250mm,B0BARR02*=375mm', by id, code or
+    /// pattern: the average height of force [default: none]
+    #[arg(long, value_name = "ID=LENGTH", value_delimiter = ',')]
+    pub wall_heights: Vec<WallHeight>,
+
     /// Metrics of occupants and roadside hardware beside those of the pulse, by group [default: auto]
     #[arg(long, value_enum, value_name = "GROUP", value_delimiter = ',')]
     pub metrics: Vec<MetricGroup>,
@@ -175,6 +180,33 @@ impl fmt::Display for EndVelocity {
     }
 }
 
+/// The height of a row of load cells above ground: the cells by id, code or pattern.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WallHeight {
+    pub cells: String,
+    pub height: Length,
+}
+
+impl FromStr for WallHeight {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (cells, height) = text.split_once('=').ok_or("expected cells and their height, such as row1=250mm")?;
+        let height: Length =
+            height.trim().parse().map_err(|error: crumple_signal::unit::UnitError| error.to_string())?;
+        if cells.trim().is_empty() || height.si() <= 0.0 {
+            return Err("expected cells and their height above ground, such as row1=250mm".to_owned());
+        }
+        Ok(Self { cells: cells.trim().to_owned(), height })
+    }
+}
+
+impl fmt::Display for WallHeight {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}={}", self.cells, self.height)
+    }
+}
+
 macro_rules! as_text {
     ($($name:ident),*) => {$(
         impl Serialize for $name {
@@ -191,7 +223,7 @@ macro_rules! as_text {
     )*};
 }
 
-as_text!(EndVelocity);
+as_text!(EndVelocity, WallHeight);
 
 // The settings that the options come to.
 
@@ -212,6 +244,9 @@ pub struct StageSettings {
     pub end_condition: Option<EndCondition>,
     #[serde(skip_serializing_if = "is_default")]
     pub barrier_cells: BarrierCells,
+    /// Empty: the heights are not known.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub wall_heights: Vec<WallHeight>,
     /// Empty: auto.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub metrics: Vec<MetricGroup>,
@@ -297,6 +332,7 @@ impl TryFrom<Options> for StageSettings {
                 shape: options.drift.unwrap_or_default(),
             }),
             barrier_cells: options.barrier_cells.unwrap_or_default(),
+            wall_heights: options.wall_heights,
             metrics,
             no_damage_speed_m_per_s: options.no_damage_speed.map_or(NO_DAMAGE_SPEED_M_PER_S, Speed::si),
             damage,

@@ -187,6 +187,9 @@ catalogue! {
     KW400 = "kw400" "kw400" "N/m" Secondary
         "2*W/(0.4^2 - 0.025^2), W the work of the wall's force over the compartment's displacement from 25 to 400 mm: \
          gives back the stiffness of a linear spring; bounds and divisor after secondary descriptions" "NHTSA";
+    AHOF400 = "ahof400" "average_height_of_force" "m" Secondary
+        "height at which the wall's force acts, over the compartment's displacement from 25 to 400 mm weighted with \
+         the force: integral of sum F_i*h_i over that of sum F_i, h_i the heights of the cells above ground" "NHTSA";
     WALL_INITIAL_STIFFNESS = "wall-initial-stiffness" "initial_wall_stiffness" "N/m" Secondary
         "slope of the line with the least squares over the displacement through the wall's force from 25 to 200 mm"
         "NHTSA";

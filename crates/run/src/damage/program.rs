@@ -63,7 +63,8 @@ pub struct DamageOptions {
     #[arg(long, value_name = "MASS", value_parser = typed::mass)]
     mass: Option<f64>,
     /// Principal force from the normal of the side, up to 45deg.
-    #[arg(long, value_name = "ANGLE", default_value = "0deg", value_parser = typed::angle, allow_hyphen_values = true)]
+    #[arg(long, value_name = "ANGLE", default_value = "0deg", requires = "profile", value_parser = typed::angle,
+          allow_hyphen_values = true)]
     angle: f64,
     /// Lever arm of the force [default: a central impact].
     #[arg(long, value_name = "LENGTH", requires = "yaw_radius", value_parser = typed::lever)]
@@ -74,10 +75,11 @@ pub struct DamageOptions {
     #[command(flatten)]
     other: OtherOptions,
     /// Restitution; 0: both leave with a common velocity.
-    #[arg(long, value_name = "E", default_value = "0.1", value_parser = typed::restitution)]
+    #[arg(long, value_name = "E", default_value = "0.1", requires = "other_mass",
+          value_parser = typed::restitution)]
     restitution: f64,
     /// What the crush energies hold.
-    #[arg(long, value_enum, value_name = "KIND", default_value = "approach")]
+    #[arg(long, value_enum, value_name = "KIND", default_value = "approach", requires = "other_mass")]
     energy: EnergyKind,
     /// Print one object of JSON in SI units instead of lines.
     #[arg(long)]

@@ -87,15 +87,18 @@ impl Case<'_> {
             let help = Command::new(binary("crumple")).args([stage, "--help"]).output().unwrap();
             let help = String::from_utf8_lossy(&help.stdout).into_owned();
             let is_meant = regex::Regex::new(flag["says"].as_str().unwrap()).unwrap();
-            let flags = help.split("\n  ").filter(|part| part.trim_start().starts_with('-') && is_meant.is_match(part));
-            let names = flags.filter_map(|part| part.split_whitespace().find(|word| word.starts_with("--")));
+            let flags = options(&help).into_iter().filter(|option| is_meant.is_match(option));
+            let names = flags
+                .filter_map(|option| option.split_whitespace().find(|word| word.starts_with("--")).map(str::to_owned));
             let values = texts(&flag["values"]);
             let pair = |name: &str, value: &String| match value.as_str() {
                 "" => vec![name.to_owned()],
                 value => vec![name.to_owned(), value.to_owned()],
             };
             return names
-                .flat_map(|name| values.iter().map(move |value| [arguments, &pair(name, value)].concat()))
+                .flat_map(|name| {
+                    values.iter().map(|value| [arguments, &pair(&name, value)].concat()).collect::<Vec<_>>()
+                })
                 .collect();
         }
         if expected["warning_works"] != true {
@@ -151,6 +154,11 @@ impl Case<'_> {
             if answer.code != 3 || advice.is_empty() || refusals.len() == STEPS || !refusals.insert(answer.said.clone())
             {
                 return Err(format!("the advice leads nowhere after {arguments:?} of {program}: {}", answer.said));
+            }
+            // What is given already is given anew.
+            let given = arguments.iter().position(|word| *word == advice[0] && advice[0] != "--set");
+            if let Some(k) = given {
+                arguments.drain(k..k + 2);
             }
             arguments.extend(advice);
             answer = self.run(program, &arguments);
@@ -220,8 +228,21 @@ pub fn texts(list: &Value) -> Vec<String> {
     list.as_array().unwrap_or(&Vec::new()).iter().map(|text| text.as_str().unwrap().to_owned()).collect()
 }
 
+/// The options of a help, each with its text.
+fn options(help: &str) -> Vec<String> {
+    let mut options: Vec<String> = Vec::new();
+    for line in help.lines() {
+        match options.last_mut() {
+            _ if line.trim_start().starts_with('-') => options.push(line.to_owned()),
+            Some(option) => *option += &format!("\n{line}"),
+            None => {}
+        }
+    }
+    options
+}
+
 /// What the last hint advises: an option of another stage as it is; a flag that is not given yet, with what the user
-/// knows of it, else with the value of the hint.
+/// knows of it, else with the value of the hint; else a flag that is given, with another value.
 fn advised(said: &str, given: &[String], knows: &Map<String, Value>) -> Vec<String> {
     let hint = hint(said);
     let trim = |word: &str| word.trim_end_matches([',', ';', ':', ')', '.']).trim_matches('"').to_owned();
@@ -232,7 +253,14 @@ fn advised(said: &str, given: &[String], knows: &Map<String, Value>) -> Vec<Stri
     let flags = || words.iter().enumerate().filter(|(_, word)| word.starts_with("--") && !given.contains(&trim(word)));
     let known = flags().find_map(|(_, flag)| Some((trim(flag), texts(knows.get(&trim(flag)[2..])?).first()?.clone())));
     let stated = || flags().find_map(|(k, flag)| Some((trim(flag), trim(words.get(k + 1)?))));
-    known.or_else(stated).map(|(flag, value)| vec![flag, value]).unwrap_or_default()
+    let corrected = || {
+        let values = given.windows(2).filter(|pair| pair[0].starts_with("--"));
+        let advised = |flag: &str| words.windows(2).find(|pair| trim(pair[0]) == flag).map(|pair| trim(pair[1]));
+        let mut other = values.filter_map(|pair| Some((pair[0].clone(), advised(&pair[0])?, &pair[1])));
+        other.find(|(_, value, before)| value != *before).map(|(flag, value, _)| (flag, value))
+    };
+    let advice = known.or_else(stated).or_else(corrected);
+    advice.map(|(flag, value)| vec![flag, value]).unwrap_or_default()
 }
 
 /// The last hint; empty where there is none.

@@ -6,7 +6,7 @@ use crumple_numerics::lti::{
     Complex, StateSpace, discretize_zero_order_hold, free_response, frequency_response, impulse_response,
     step_response, to_transfer_function,
 };
-use crumple_signal::Notes;
+use crumple_signal::{HALF_OF_90_PERCENT, Notes};
 use crumple_stage::records::{EvidenceV1, NoIntervalV1, NoSpreadV1, NoiseModelV1, NoiseV1, ResponseV1, SpreadV1};
 use crumple_sysid::{
     Bootstrap, BootstrapOptions, IoData, NoSpread, NoiseKind, NoiseModel, NoiseOptions, RecordLength, Sample, Spread,
@@ -24,9 +24,6 @@ const ZEROS_UP_TO: usize = 10;
 
 /// Natural frequencies that vary more than this over the replicates do not belong to a mode of the record.
 const DROPPED_ABOVE: f64 = 0.02;
-
-/// Standard deviations from the middle to the edges of a band from 5 to 95 %.
-const NORMAL_95: f64 = 1.644_853_6;
 
 /// What the responses of a model are computed from, whatever method gave it.
 pub struct ModelResponses<'a> {
@@ -59,9 +56,9 @@ impl Band {
     pub fn from_deviations(magnitude: &[f64], deviations: &[Option<(f64, f64)>]) -> Self {
         let points = magnitude.iter().zip(deviations).map(|(m, deviation)| {
             let (relative, phase) = (*deviation)?;
-            let factor = (NORMAL_95 * relative).exp();
+            let factor = (HALF_OF_90_PERCENT * relative).exp();
             // A phase known to half a turn is not known.
-            let turn = (NORMAL_95 * phase).min(PI);
+            let turn = (HALF_OF_90_PERCENT * phase).min(PI);
             let point = [m / factor, m * factor, -turn, turn];
             point.iter().all(|x| x.is_finite()).then_some(point)
         });

@@ -53,9 +53,11 @@ pub fn channels(
     }
     // A record of other quantities is welcome where mass and speed may be missing; a sole column without a unit, or one
     // named as acceleration, is asked about all the same.
-    let sole = data.len() == 1 && settings.sample_time.is_none();
+    let is_unknown = |k: usize| kinds[k].0 == QuantityKind::Other;
+    let sole = kinds.len() == 1 && is_unknown(0) && settings.sample_time.is_none();
+    let position = |wanted: usize| data.iter().position(|k| *k == wanted);
     let others_are_welcome = settings.allow_missing.unwrap_or(false)
-        && selected.is_none()
+        && !selected.and_then(position).is_some_and(is_unknown)
         && !sole
         && !data.iter().any(|k| header.named && names_acceleration(&header.columns[*k].title));
     if settings.listing || settings.scale.is_some() {

@@ -1,7 +1,7 @@
 //! How a table is written: delimiter, decimal mark, header lines, number of columns.
 
 use crate::formats::text::lines::{Line, NumberStyle, comment, decode, is_gap, line_at, unquoted};
-use crate::formats::text::stamps::{Instant, stamp};
+use crate::time::stamps::{Instant, stamp};
 use crate::{IngestError, Place, Result, refuse, refuse_size};
 
 /// Lines looked at, comments and blank lines aside.
@@ -47,6 +47,9 @@ impl Delimiter {
     }
 }
 
+/// All whole numbers up to this one are kept by a number of 64 bits.
+pub const KEPT: u64 = 1 << 53;
+
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cells {
     Numbers,
@@ -61,8 +64,6 @@ pub enum Cells {
 impl Cells {
     /// What a cell, which is no gap, makes of its column.
     fn of(text: &[u8], style: NumberStyle) -> Self {
-        /// All whole numbers up to this one are kept.
-        const KEPT: u64 = 1 << 53;
         let bare = decode(unquoted(text));
         if let Some(whole) = bare.parse::<i64>().ok().filter(|n| n.unsigned_abs() > KEPT) {
             return Self::Whole(whole);

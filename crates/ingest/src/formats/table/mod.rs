@@ -31,6 +31,8 @@ pub const TABLE: Reader = Reader {
     has_comments: true,
     ..Reader::of_one_file("csv", is_text, FLAGS, read)
 };
+/// Flags about the form of a file that is rows of cells, texts aside.
+pub const FLAGS_OF_ROWS: &[&str] = &["--unit", "--time-unit", "--sample-time", "--vehicle-number", "--resample"];
 const FLAGS: &[&str] =
     &["--unit", "--time-unit", "--sample-time", "--profile", "--skip-to", "--vehicle-number", "--resample"];
 

@@ -8,8 +8,8 @@ use crate::formats::table::layout::{Cells, Delimiter, Layout, decimal_comma, is_
 use crate::formats::text::lines::{
     LINE_LIMIT, ParsedNumber, comment, decode, is_gap, is_negative_of_accounts, line_at, scan, unquoted,
 };
-use crate::formats::text::stamps::stamp;
 use crate::recording::content::{LineNumbers, MINIMUM_SAMPLES};
+use crate::time::stamps::stamp;
 use crate::{IngestError, Place, Result, refuse};
 
 #[derive(Debug, Clone, Default)]

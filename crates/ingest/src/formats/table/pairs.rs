@@ -128,7 +128,7 @@ pub fn channels(
 /// What times count from.
 #[derive(Debug, Clone, Copy)]
 enum Origin {
-    Clock(crate::formats::text::stamps::Instant),
+    Clock(crate::time::stamps::Instant),
     Seconds(f64),
 }
 

@@ -1,18 +1,16 @@
 //! The time column of a table.
 
-use crumple_signal::{About, Notes, Weight};
+use crumple_signal::Notes;
 
 use crate::error::Question;
 use crate::formats::table::header::TableHeader;
 use crate::formats::table::layout::Cells;
 use crate::formats::table::numbers::Rows;
 use crate::formats::text::column_names::{Unit, is_counter_name, is_time_name, names_acceleration};
-use crate::formats::text::stamps::{over_midnight, resolution_of_stamps};
 use crate::recording::details::Stated;
-use crate::recording::settings;
 use crate::recording::stated_contact::TimeZero;
-use crate::time::{Grid, OnGrid};
-use crate::{IngestError, IngestSettings, Place, Result, refuse, time};
+use crate::time::{CALENDAR_S, Grid, Kind, Timed, Times, median_step, over_midnight};
+use crate::{IngestError, IngestSettings, Place, Result, refuse};
 
 #[derive(Debug, Clone)]
 pub struct TimeAxis {
@@ -163,86 +161,51 @@ pub fn find(
     columns.push(column);
     columns.extend(same_times(file, header, rows, column, notes)?);
     let title = format!("{} ({})", column + 1, header.columns[column].title);
-    let mut times = std::mem::take(&mut rows.columns[column]);
-    let cells = rows.cells[column];
-    if times.len() < 2 {
+    let mut values = std::mem::take(&mut rows.columns[column]);
+    if values.len() < 2 {
         let place = Place::file(file).in_column(title);
         return refuse(place, "no times", "a time in every row", STATE_THE_INTERVAL);
     }
-    if let Cells::Stamps(_) = cells {
-        over_midnight(&mut times);
-        if settings.time_unit.is_some() {
-            settings::warn("--time-unit", "the times are those of a clock", notes);
-        }
-    }
-    // A stated unit says that the numbers are of that.
-    let clock = packed_clock(&times).filter(|_| settings.time_unit.is_none() && !matches!(cells, Cells::Stamps(_)));
-    let is_clock = clock.is_some();
-    if let Some(from_first) = clock {
-        times = from_first;
-        notes.info(format!("the times of column {title} are those of a clock packed into a number, hhmmss"));
+    let kind = match rows.cells[column] {
+        Cells::Stamps(_) => Kind::Clock,
+        Cells::Whole(first) => Kind::From(first),
+        Cells::Numbers | Cells::Words => Kind::Printed(rows.digits[column]),
+    };
+    if kind == Kind::Clock {
+        over_midnight(&mut values);
     }
     let place = |index: usize| Place::line(file, rows.lines.of_row(index)).in_column(title.clone());
-    if let Some(k) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
-        return Err(order(place(k + 1), &times, k, rows.lines.of_row(k)));
+    if let Some(k) = values.windows(2).position(|pair| pair[1] <= pair[0]) {
+        return Err(order(place(k + 1), &values, k, rows.lines.of_row(k)));
     }
-    let mut origin_s = None;
-    let (unit, mut resolution_s) = match cells {
-        Cells::Stamps(_) => (1.0, resolution_of_stamps(&times)),
-        _ if is_clock => (1.0, resolution_of_stamps(&times)),
-        Cells::Whole(first) => {
-            let unit = unit(file, &title, &header.columns[column].unit, &times, settings, comment, notes)?;
-            origin_s = Some(first as f64 * unit);
-            (unit, unit)
-        }
-        Cells::Numbers | Cells::Words => {
-            let unit = unit(file, &title, &header.columns[column].unit, &times, settings, comment, notes)?;
-            // The printed resolution: the last digit of the most finely printed stamp, seen from the largest.
-            let largest = times[0].abs().max(times[times.len() - 1].abs());
-            let last = largest.log10().floor() - f64::from(rows.digits[column].max(1)) + 1.0;
-            (unit, 10_f64.powf(last) * unit)
-        }
+    let count = values.len();
+    let times = Times {
+        values,
+        kind,
+        file,
+        title: &title,
+        whose: &format!("column {title}"),
+        unit: &header.columns[column].unit,
+        comment,
+        expected: "a unit in the header, such as time_s",
     };
-    origin_s = origin_s.or_else(|| time::from_first(&mut times, unit, &mut resolution_s));
-    time::scale(&mut times, unit);
-    let OnGrid { mut grid, interpolation, words, .. } = time::on_grid(&times, resolution_s, settings, place)?;
+    let Timed { mut grid, interpolation, words, origin_s, is_of_a_clock } = times.timed(settings, place, notes)?;
     if let Some(interpolation) = interpolation {
-        notes.warning(format!("{} rows are resampled {words}", times.len()));
+        notes.warning(format!("{count} rows are resampled {words}"));
         for (_, samples) in rows.columns.iter_mut().enumerate().filter(|(k, _)| *k != column) {
             *samples = interpolation.apply(samples.len(), |k| samples[k]);
         }
     }
     // A time zero by the calendar counts on the calendar.
-    let is_absolute =
-        settings.time_zero.and_then(TimeZero::stated).is_some_and(|zero| zero.si().abs() > time::CALENDAR_S);
+    let is_absolute = settings.time_zero.and_then(TimeZero::stated).is_some_and(|zero| zero.si().abs() > CALENDAR_S);
     match origin_s.filter(|_| is_absolute) {
         Some(origin_s) => grid.t0_s += origin_s,
-        None if origin_s.is_some() || is_clock || matches!(cells, Cells::Stamps(_)) => notes.info(format!(
+        None if origin_s.is_some() || is_of_a_clock => notes.info(format!(
             "the times of column {title} count from the first one; --time-zero states first contact on that axis"
         )),
         None => {}
     }
     Ok(TimeAxis { columns, grid, origin_s: origin_s.filter(|_| !is_absolute) })
-}
-
-/// Seconds from the first time of a clock that is packed into a number, hhmmss.sss, as loggers of satellite positions
-/// write it. `None` where no minute turns, so that the numbers may be seconds, or one is no time of a day, or a turn is
-/// no step like the others.
-fn packed_clock(times: &[f64]) -> Option<Vec<f64>> {
-    let minute = |t: f64| (t / 100.0).floor();
-    let seconds = |t: f64| -> Option<f64> {
-        let (hours, minutes, seconds) = ((t / 1e4).floor(), minute(t) % 100.0, t % 100.0);
-        let is_time = (0.0..24.0).contains(&hours) && minutes < 60.0 && seconds < 60.0;
-        is_time.then_some(3600.0 * hours + 60.0 * minutes + seconds)
-    };
-    let turns: Vec<usize> = (1..times.len()).filter(|k| minute(times[*k]) != minute(times[*k - 1])).collect();
-    if turns.is_empty() {
-        return None;
-    }
-    let of_day: Vec<f64> = times.iter().map(|t| seconds(*t)).collect::<Option<_>>()?;
-    let usual_s = time::median_step(&of_day);
-    let is_even = |k: &usize| (of_day[*k] - of_day[*k - 1] - usual_s).abs() < 0.5 * usual_s;
-    turns.iter().all(is_even).then(|| of_day.iter().map(|t| t - of_day[0]).collect())
 }
 
 /// The refusal of times that do not increase from row `k` to the next.
@@ -286,7 +249,7 @@ fn same_times(file: &str, header: &TableHeader, rows: &Rows, column: usize, note
             _ => 0.0,
         };
         let is_still = span(times) == 0.0;
-        let slack = 0.5 * time::median_step(first).abs();
+        let slack = 0.5 * median_step(first).abs();
         let is_apart = |row: &usize| ((times[*row] - times[0]) * ratio - (first[*row] - first[0])).abs() > slack;
         if let Some(row) = (0..times.len()).find(is_apart).filter(|_| !is_still) {
             return refuse(
@@ -299,83 +262,4 @@ fn same_times(file: &str, header: &TableHeader, rows: &Rows, column: usize, note
         notes.info(format!("column {} ({title}) repeats the times of column {of_first}: left out", k + 1));
     }
     Ok(others)
-}
-
-/// The factor of the time unit to s: flag, header, comment, else from the steps where they tell it.
-fn unit(
-    file: &str,
-    title: &str,
-    header: &Unit,
-    times: &[f64],
-    settings: &IngestSettings,
-    comment: Option<&Stated<String>>,
-    notes: &mut Notes,
-) -> Result<f64> {
-    let place = || Place::file(file).in_column(title);
-    if let Some(symbol) = &settings.time_unit {
-        let flag = time::stated_unit(place(), symbol, "--time-unit")?;
-        if matches!(header, Unit::Time(of_header) if *of_header != flag) {
-            notes.concern(
-                About::Time,
-                Weight::Marked,
-                format!("--time-unit {symbol} is not the unit that the header of column {title} states"),
-            );
-        }
-        return Ok(flag);
-    }
-    match header {
-        Unit::Time(factor) => {
-            if let Some(stated) = comment {
-                contradicts(file, title, *factor, stated)?;
-            }
-            return Ok(*factor);
-        }
-        Unit::Unstated => {}
-        Unit::Unknown(_) | Unit::Signal(..) => {
-            return Err(time::unit_error(place(), "the header of the time column states a unit that is not a time"));
-        }
-    }
-    if let Some(stated) = comment {
-        return time::stated_unit(place(), &stated.value, &stated.from);
-    }
-    time::unit_from_steps(
-        file,
-        &format!("column {title}"),
-        "a unit in the header, such as time_s",
-        times,
-        settings,
-        notes,
-    )
-}
-
-/// Refuses a comment that states another unit of time than the header.
-fn contradicts(file: &str, title: &str, factor: f64, stated: &Stated<String>) -> Result<()> {
-    let of_comment = time::stated_unit(Place::file(file), &stated.value, &stated.from)?;
-    if of_comment == factor {
-        return Ok(());
-    }
-    refuse(
-        Place::file(file).in_column(title),
-        format!("its name states another unit of time than {}, {:?}", stated.from, stated.value),
-        "one unit",
-        "correct the one that is wrong, or --time-unit says which counts",
-    )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    #[test]
-    fn a_clock_that_is_packed_into_a_number_counts_seconds_over_the_minute() {
-        let packed = [100_259.998, 100_259.999, 100_300.0, 100_300.001];
-        let found = packed_clock(&packed).unwrap();
-        assert!(found.iter().enumerate().all(|(k, t)| (t - 1e-3 * k as f64).abs() < 1e-9), "{found:?}");
-        let hours = [95_958.0, 95_959.0, 100_000.0, 100_001.0];
-        assert_eq!(packed_clock(&hours), Some(vec![0.0, 1.0, 2.0, 3.0]));
-        // Seconds, also those that pass a hundred; a day has no hour 31; no minute turns.
-        assert_eq!(packed_clock(&[99.98, 99.99, 100.0, 100.01]), None);
-        assert_eq!(packed_clock(&[158.0, 159.0, 160.0, 161.0]), None);
-        assert_eq!(packed_clock(&[310_259.999, 310_300.0, 310_300.001]), None);
-        assert_eq!(packed_clock(&[100_259.1, 100_259.2, 100_259.3]), None);
-    }
 }

@@ -18,13 +18,13 @@ use crate::formats::ev5::specification::{Barrier, Curve, Record, Test, Vehicle, 
 use crate::formats::reader::{Bundle, Reader};
 use crate::formats::tdms::metadata::{Properties, Property, names};
 use crate::formats::tdms::segments::{Content, Object, is_date};
-use crate::formats::text::stamps::Instant;
-use crate::formats::text::stamps::instant;
 use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::conversion;
 use crate::formats::{iso13499, tdm};
 use crate::recording::content::{PulseRule, ReadChannel, Recording, note_doubts};
 use crate::recording::details::Details;
+use crate::time::stamps::Instant;
+use crate::time::stamps::instant;
 use crate::{IngestSettings, Result};
 
 pub(crate) mod metadata;

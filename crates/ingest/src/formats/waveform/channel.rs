@@ -6,8 +6,8 @@ use crumple_signal::Notes;
 use crumple_signal::unit::{self, Dimension};
 
 use crate::formats::text::column_names::{Unit, is_time_name, split_unit};
-use crate::formats::text::stamps::Instant;
 use crate::recording::content::{Ids, ReadChannel, list};
+use crate::time::stamps::Instant;
 use crate::{IngestError, Place, Result, time};
 
 /// A channel as its file has it.

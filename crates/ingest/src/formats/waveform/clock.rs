@@ -7,11 +7,10 @@ use crumple_signal::value::Time;
 
 use crate::error::Question;
 use crate::formats::text::column_names::Unit;
-use crate::formats::text::stamps::{Instant, resolution_of_stamps};
 use crate::formats::waveform::channel::{Label, Waveform, is_named_time};
 use crate::recording::content::list;
-use crate::time::{Grid, LinearInterpolation, OnGrid};
-use crate::{IngestError, IngestSettings, Place, Result, refuse, time};
+use crate::time::{Grid, Instant, Kind, LinearInterpolation, Timed, Times};
+use crate::{IngestError, IngestSettings, Place, Result};
 
 /// Longest sampling interval of a crash record, s: 50 samples a second show two or three of a pulse. A longer one is a
 /// default, as LabVIEW and DIAdem write an increment of 1 where they know none.
@@ -303,34 +302,21 @@ fn grid_of(
     settings: &IngestSettings,
     notes: &mut Notes,
 ) -> Result<Fitted> {
-    let place = || Place::file(file).in_column(label.title.clone());
-    let unit = match (&settings.time_unit, &label.unit) {
+    let times = Times {
+        values: values.to_vec(),
         // Stamps of a clock are made seconds by the reader.
-        _ if are_stamps => 1.0,
-        (Some(symbol), _) => time::stated_unit(place(), symbol, "--time-unit or the sidecar")?,
-        (None, Unit::Time(factor)) => *factor,
-        (None, _) => {
-            let expected = "a unit of the channel, such as s";
-            time::unit_from_steps(file, &label.title, expected, values, settings, notes)?
-        }
+        kind: if are_stamps { Kind::Clock } else { Kind::Binary },
+        file,
+        title: &label.title,
+        whose: &label.title,
+        unit: &label.unit,
+        comment: None,
+        expected: "a unit of the channel, such as s",
     };
-    let mut times = values.to_vec();
-    let mut resolution_s = if are_stamps { resolution_of_stamps(values) } else { single_precision(values) * unit };
-    let first_s = time::from_first(&mut times, unit, &mut resolution_s);
-    time::scale(&mut times, unit);
-    if times.iter().any(|t| !t.is_finite()) {
-        return refuse(place(), "a time that is not finite", "finite times", "export it again");
-    }
-    let of_sample = |k: usize| Place::file(&format!("{}, sample {k}", place()));
-    let OnGrid { grid, interpolation, words, .. } = time::on_grid(&times, resolution_s, settings, of_sample)?;
+    let column = Place::file(file).in_column(label.title.clone());
+    let of_sample = |k: usize| Place::file(&format!("{column}, sample {k}"));
+    let Timed { grid, interpolation, words, origin_s, .. } = times.timed(settings, of_sample, notes)?;
     let resampling = interpolation.map(|interpolation| Resampling { interpolation, words, used: false });
     let whole = |s: f64| Instant { seconds: s.floor() as i64, fraction_s: s - s.floor() };
-    Ok((grid, first_s.map(whole), resampling))
-}
-
-/// Resolution of times that were stored in single precision; 0 if they were not.
-fn single_precision(values: &[f64]) -> f64 {
-    let single = values.iter().all(|x| f64::from(*x as f32) == *x);
-    let largest = values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    if single { largest * f64::from(f32::EPSILON) } else { 0.0 }
+    Ok((grid, origin_s.map(whole), resampling))
 }
