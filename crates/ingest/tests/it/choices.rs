@@ -3,7 +3,7 @@
 use std::fs;
 
 use crumple_ingest::{IngestError, IngestSettings, Ingested};
-use crumple_signal::STANDARD_GRAVITY_M_PER_S2 as G;
+use crumple_signal::{QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G};
 use crumple_testkit::shared;
 
 use crate::{given, lenient, notes, open, program, read_as, write};
@@ -49,6 +49,19 @@ fn one_of_several_columns_with_one_title_is_taken_by_its_number_only() {
     assert_eq!(error.to_string(), "a.csv: columns 2, 3 are all named \"a\"");
     let metric = read(&text, &channel("a (m/s^2)")).unwrap();
     assert_eq!(metric.pulse().unwrap().samples.samples()[10], 20.0);
+}
+
+#[test]
+fn a_table_of_one_displacement_is_a_record_where_mass_and_speed_may_be_missing() {
+    let kinds = |settings: &IngestSettings, header: &str| {
+        let read = read(&table(header), settings).map_err(|error| error.to_string())?;
+        Ok::<_, String>(read.test.channels.iter().map(|channel| channel.quantity).collect::<Vec<_>>())
+    };
+    let displacement = Ok(vec![QuantityKind::Displacement]);
+    assert_eq!(kinds(&given("--allow-missing"), "time_s,y (mm)"), displacement);
+    assert_eq!(kinds(&channel("y"), "time_s,y (mm)"), displacement);
+    // A crash is not one, nor is a number of unknown unit.
+    assert!(kinds(&given(""), "time_s,y (mm)").is_err() && kinds(&given("--allow-missing"), "time_s,y").is_err());
 }
 
 #[test]

@@ -153,6 +153,21 @@ fn the_barrier_force_is_the_sum_of_its_living_cells_and_its_impulse_is_the_chang
 }
 
 #[test]
+fn the_height_of_force_needs_the_heights_of_all_rows() {
+    let folder = tempfile::tempdir().unwrap();
+    let input = test_folder(folder.path());
+    let artifact = result(&input, &["--wall-heights", "6=300mm,7=60cm"]);
+    // Rows with 0.6 and 0.4 of the force at every time; the questionable one is not in the sum.
+    let height = metric(&artifact, "barrier", "average_height_of_force").unwrap();
+    assert!((height - (0.6 * 0.3 + 0.4 * 0.6)).abs() < 1e-9, "{height}");
+    let one = result(&input, &["--wall-heights", "6=300mm"]);
+    assert_eq!(metric(&one, "barrier", "average_height_of_force"), None);
+    assert_eq!(metric(&result(&input, &[]), "barrier", "average_height_of_force"), None);
+    assert_eq!(run(&input, &["--wall-heights", "1=300mm"]).status.code(), Some(3));
+    assert_eq!(run(&input, &["--wall-heights", "6"]).status.code(), Some(2));
+}
+
+#[test]
 fn a_stated_end_velocity_is_met_and_what_it_took_is_said() {
     let folder = tempfile::tempdir().unwrap();
     let input = test_folder(folder.path());

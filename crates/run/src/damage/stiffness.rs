@@ -132,13 +132,11 @@ impl TypedStiffness<'_> {
         let named =
             |(index, test): (usize, &BarrierTest)| NamedTest { name: format!("typed test {}", index + 1), test: *test };
         tests.extend(self.tests.iter().enumerate().map(named));
-        if let Some((k, test)) =
-            tests.iter().enumerate().find(|(k, named)| tests[..*k].iter().any(|t| t.test == named.test))
-        {
-            let problem = format!("{} has the same values as an earlier one: test {}", test.name, k + 1);
-            return Err(Usage::new(problem)
-                .hint("give each test once: a test that is there twice shows no scatter")
-                .into());
+        let is_repeated = |(k, named): &(usize, &NamedTest)| tests[..*k].iter().any(|other| other.test == named.test);
+        if let Some((_, repeated)) = tests.iter().enumerate().find(is_repeated) {
+            let problem = format!("{} has the values of a test before it", repeated.name);
+            let hint = "give each test once: one that is there twice shows no scatter";
+            return Err(Refused::new(problem).hint(hint).into());
         }
         let is_one = tests.len() == 1;
         let (b0, whose) = match (held, is_one) {

@@ -189,7 +189,7 @@ fn runs_of_barrier_tests_give_the_stiffness() {
         (&["--from", "a", "bare"][..], "states no residual crush"),
         (&["--from", "bare"], "states no residual crush"),
         (&["--from", "none"], "there is no 3-integrate.mcap"),
-        (&["--from", "a", "a"], "same residual crush"),
+        (&["--from", "a", "a"], "values of a test before it"),
     ] {
         let output = damage(at, words);
         let told = text(&output.stderr);
@@ -208,6 +208,9 @@ fn what_is_typed_wrong_ends_with_code_2_and_a_way_out() {
         (vec!["--profile", "10cm"], "expected 2 to 12"),
         (vec!["--line", "2m/s,25/s"], "stated in two ways"),
         (vec!["--restitution", "1"], "below 1"),
+        // Of a collision, and there is none.
+        (vec!["--restitution", "0.2"], "--other-mass"),
+        (vec!["--energy", "lost"], "--other-mass"),
         (vec!["--lever", "40cm"], "--yaw-radius"),
         (vec!["--other-mass", "1500kg"], "stiffness is missing"),
         (vec!["--other-stiffness", "55kN/m,400kN/m^2"], "need a mass and a width"),

@@ -69,6 +69,20 @@ fn the_damping_of_an_exponential_window_is_taken_off() {
     assert!((measured[0].1 - 0.00501 - 0.01873).abs() < 3e-5, "{measured:?}");
 }
 
+/// 4.001 Hz and 2.65 % of a displacement that no input drives.
+#[test]
+fn a_displacement_is_its_own_answer() {
+    let Some(root) = shared("reference/cases") else { return };
+    for record in ["ringdown-mm.csv", "two-quantities-right-today.csv"] {
+        for flags in [["--methods=era", "--orders=2"], ["--methods=exponentials", "--terms=2"]] {
+            let flags = [&flags[..], &["--channel=displacement"]].concat();
+            let found = modes(&root, &format!("T4-m09-table-of-one-quantity/{record}"), &flags);
+            let is_right = |(hz, damping): &(f64, f64)| (hz - 4.001).abs() < 0.02 && (damping - 0.0265).abs() < 1e-3;
+            assert!(found.iter().all(is_right) && found.len() == 1, "{record} {flags:?}: {found:?}");
+        }
+    }
+}
+
 #[test]
 fn a_mean_is_removed_from_a_free_decay() {
     let Some(root) = shared("reference/cases") else { return };
