@@ -233,6 +233,12 @@ bytes *args:
     @[ "$bin" != "${CARGO_TARGET_DIR:-$project/target}/release" ] || [ "${1-}" = --compare ] || just --justfile "$project/justfile" build
     @cargo run --quiet --manifest-path "$project/Cargo.toml" --package crumple-testkit -- bytes --bin "$bin" "$@"
 
+# With words of names: those records alone, and the page stays. `--accept` writes ci/instructions.json: say in CHANGELOG.md why.
+# Instructions of whole runs by stage (callgrind, one thread, no load moves them) into docs/performance.md; above 1.03 of what is accepted it fails.
+[group('development')]
+instructions *args: build
+    @cargo run --quiet --release --package crumple-testkit -- instructions --bin "$bin" "$@"
+
 # How often the 95 % intervals of fitted parameters hold the truth, 300 made records a family: `just interval-benchmark [--choice] [--contact] [--clean] [--records N] [--first K] [FAMILY ...]`.
 [group('development')]
 interval-benchmark *args: build
@@ -334,6 +340,7 @@ ci-full:
     CRUMPLE_FLEET_RECORDS=200 cargo nextest run --workspace -E 'package(crumple-testkit) & test(/^fleet::/)'
     CRUMPLE_SLURM_FOR="a fleet on Slurm" scripts/local-slurm.sh \
         cargo nextest run --workspace -E 'test(a_fleet_outlives_a_node_that_dies)' --run-ignored all
+    just instructions
     just papers
     just truth
     just book

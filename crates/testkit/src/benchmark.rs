@@ -174,7 +174,7 @@ fn cost(crumple: &Path, record: &Path, times: u32) -> std::io::Result<Cost> {
 }
 
 /// One made crash of a quarter of a second at a rate, as a table.
-fn made_crash(rate_hz: f64) -> String {
+pub(crate) fn made_crash(rate_hz: f64) -> String {
     let mut text = String::from("# mass: 1200 kg\n# impact speed: 50 km/h\ntime_s,accel_g\n");
     let end = (0.25 * rate_hz) as usize;
     for k in 0..=end {

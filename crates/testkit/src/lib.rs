@@ -6,6 +6,7 @@ pub mod bytes;
 pub mod contact_cover;
 pub mod fuzz;
 pub mod identification_cover;
+pub mod instructions;
 pub mod interval_cover;
 pub mod made_fleet;
 mod places;

@@ -10,6 +10,7 @@ use crumple_testkit::contact_cover;
 use crumple_testkit::fixture::fixtures;
 use crumple_testkit::fuzz::{Campaign, Tally, run_campaign};
 use crumple_testkit::identification_cover::{self, AMBIENT, right_clusters};
+use crumple_testkit::instructions::{self, Counts};
 use crumple_testkit::interval_cover::{Choices, Cover, DRAWN, FAMILIES, choices_of, cover_of};
 use crumple_testkit::made_fleet::write_fleet;
 use crumple_testkit::prediction_error::{KINDS, outcomes, tables};
@@ -59,6 +60,20 @@ enum Command {
     /// Intervals of parameters that their record determines, as the report says it, stand apart from other closed ones
     /// and from open ones.
     IntervalBenchmark(IntervalBenchmark),
+    /// Instructions of whole runs by stage, counted by callgrind, into docs/performance.md; exit 1 where a stage takes
+    /// more than what is accepted
+    Instructions {
+        #[command(flatten)]
+        programs: Programs,
+        /// Counts that are accepted
+        #[arg(long, default_value_os_t = workspace().join("ci/instructions.json"))]
+        accepted: PathBuf,
+        /// Write these counts there
+        #[arg(long)]
+        accept: bool,
+        /// Words of names of records; with them the page stays as it is
+        record: Vec<String>,
+    },
     /// Writes the fixtures
     MakeFixtures {
         #[arg(default_value_os_t = workspace().join("fixtures"))]
@@ -221,6 +236,9 @@ fn run(command: Command) -> Result<bool, Failure> {
             write_fleet(&folder, records, broken, SEED).map_err(|error| format!("{}: {error}", folder.display()))?;
             Ok(true)
         }
+        Command::Instructions { programs, accepted, accept, record } => {
+            count_instructions(&programs.bin, &accepted, accept, &record)
+        }
         Command::Performance { programs, figures } => write_performance(&programs.bin, &figures),
         Command::PredictionBenchmark(asked) => prediction_benchmark(&asked),
         Command::Truth { programs, cars, short, name } => {
@@ -229,18 +247,44 @@ fn run(command: Command) -> Result<bool, Failure> {
     }
 }
 
-/// Writes what stands between two comments of docs/performance.md.
 fn write_performance(bin: &Path, figures: &Path) -> Result<bool, Failure> {
     let lines = std::fs::read_to_string(figures)?;
     let figures = lines.lines().map(serde_json::from_str).collect::<Result<Vec<_>, _>>()?;
+    write_between((performance::BEGIN, performance::END), &performance::tables(&bin.join("crumple"), &figures)?)?;
+    Ok(true)
+}
+
+/// Writes what stands between two comments of docs/performance.md.
+fn write_between((begin, end): (&str, &str), text: &str) -> Result<(), Failure> {
     let path = workspace().join("docs/performance.md");
     let page = std::fs::read_to_string(&path)?;
-    let (head, rest) = page.split_once(performance::BEGIN).ok_or("docs/performance.md: the begin of the tables")?;
-    let (_, foot) = rest.split_once(performance::END).ok_or("docs/performance.md: the end of the tables")?;
-    let tables = performance::tables(&bin.join("crumple"), &figures)?;
-    let (begin, end) = (performance::BEGIN, performance::END);
-    std::fs::write(&path, format!("{head}{begin}\n{tables}{end}{foot}"))?;
-    Ok(true)
+    let (head, rest) = page.split_once(begin).ok_or(format!("docs/performance.md: {begin:?} is not there"))?;
+    let (_, foot) = rest.split_once(end).ok_or(format!("docs/performance.md: {end:?} is not there"))?;
+    Ok(std::fs::write(&path, format!("{head}{begin}\n{text}{end}{foot}"))?)
+}
+
+/// Counts, prints the table and what became slower; whether nothing did.
+fn count_instructions(bin: &Path, accepted: &Path, accept: bool, records: &[String]) -> Result<bool, Failure> {
+    let folder = own_folder("crumple-instructions");
+    let counts = instructions::counts(bin, records, &folder)?;
+    std::fs::remove_dir_all(&folder)?;
+    let before: Counts = match std::fs::read(accepted) {
+        Ok(bytes) => serde_json::from_slice(&bytes)?,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Counts::new(),
+        Err(error) => return Err(error.into()),
+    };
+    let table = instructions::table(&counts, &before);
+    print!("{table}");
+    let slower = if accept { Vec::new() } else { instructions::slower(&counts, &before) };
+    slower.iter().for_each(|line| println!("{line}"));
+    if records.is_empty() {
+        write_between((instructions::BEGIN, instructions::END), &table)?;
+    }
+    if accept {
+        let all: Counts = before.into_iter().chain(counts).collect();
+        std::fs::write(accepted, serde_json::to_string_pretty(&all)? + "\n")?;
+    }
+    Ok(slower.is_empty())
 }
 
 /// Whether a name has one of these parts, or none is asked for.
