@@ -333,6 +333,7 @@ impl LineNumbers {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crumple_signal::STANDARD_GRAVITY_M_PER_S2;
 
     #[test]
     fn flat_tops_are_clipping_and_quiet_starts_are_not() {

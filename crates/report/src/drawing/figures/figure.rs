@@ -4,6 +4,7 @@
 use crumple_signal::Sampled;
 
 use super::look::{Colour, Dash, Look};
+use super::thinning::extremes;
 
 /// A figure of the report: panels that share a legend.
 #[derive(Debug, Clone)]
@@ -223,9 +224,22 @@ impl Axis {
     }
 }
 
-/// Samples over time in ms, times `factor`.
+/// A curve of more samples than this is made of the extremes of stretches: a figure has some thousand columns, of which
+/// the view may show a tenth.
+const MOST_POINTS: usize = 1 << 18;
+
+/// Samples over time in ms, times `factor`; of long series the first, lowest, highest and last of equal stretches.
 pub fn over_time(signal: &Sampled, factor: f64) -> Vec<[f64; 2]> {
-    signal.samples().iter().enumerate().map(|(k, y)| [1e3 * signal.time_s(k), factor * y]).collect()
+    let samples = signal.samples();
+    let point = |k: usize| [1e3 * signal.time_s(k), factor * samples[k]];
+    if samples.len() <= MOST_POINTS {
+        return (0..samples.len()).map(point).collect();
+    }
+    let stretch = samples.len().div_ceil(MOST_POINTS / 4);
+    let of_stretch = |(j, values): (usize, &[f64])| {
+        extremes(values.len(), |k| values[k]).map(|k| point(j * stretch + k)).collect::<Vec<_>>()
+    };
+    samples.chunks(stretch).enumerate().flat_map(of_stretch).collect()
 }
 
 /// One list over another.
@@ -255,6 +269,18 @@ mod tests {
         let tidy = figure.tidy();
         assert_eq!((tidy.legend.len(), tidy.legend[0].name.as_str()), (1, "there"));
         assert_eq!((tidy.panels.len(), tidy.panels[0].curves[0].entry), (1, 0));
+    }
+
+    #[test]
+    fn a_long_curve_keeps_its_ends_and_a_peak_of_one_sample() {
+        let mut samples: Vec<f64> = (0..1_000_003).map(|k| f64::from(k % 7)).collect();
+        samples[123_456] = -50.0;
+        let signal = Sampled::new(0.0, 1e-6, samples).unwrap();
+        let points = over_time(&signal, 2.0);
+        assert!(points.len() <= MOST_POINTS && points.windows(2).all(|pair| pair[1][0] > pair[0][0]));
+        let peak = [1e3 * signal.time_s(123_456), -100.0];
+        let end = [1e3 * signal.time_s(1_000_002), 2.0 * signal.samples()[1_000_002]];
+        assert!(points.contains(&peak) && points.last() == Some(&end) && points[0] == [0.0, 0.0]);
     }
 
     #[test]

@@ -15,16 +15,19 @@ pub fn thinned(points: &[[f64; 2]], near: f64) -> Vec<[f64; 2]> {
 fn by_columns(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut kept = Vec::new();
     for column in points.chunk_by(|a, b| column_of(a[0]) == column_of(b[0])) {
-        let extreme = |better: fn(f64, f64) -> bool| {
-            (0..column.len()).fold(0, |best, k| if better(column[k][1], column[best][1]) { k } else { best })
-        };
-        let mut places = [0, extreme(|a, b| a < b), extreme(|a, b| a > b), column.len() - 1];
-        places.sort_unstable();
-        kept.extend(
-            places.iter().enumerate().filter(|(k, p)| *k == 0 || places[k - 1] != **p).map(|(_, p)| column[*p]),
-        );
+        kept.extend(extremes(column.len(), |k| column[k][1]).map(|k| column[k]));
     }
     kept
+}
+
+/// Places of the first, the lowest, the highest and the last of so many values, at least one, in their order, each once.
+pub fn extremes(count: usize, value: impl Fn(usize) -> f64) -> impl Iterator<Item = usize> {
+    let extreme = |better: fn(f64, f64) -> bool| {
+        (0..count).fold(0, |best, k| if better(value(k), value(best)) { k } else { best })
+    };
+    let mut places = [0, extreme(|a, b| a < b), extreme(|a, b| a > b), count - 1];
+    places.sort_unstable();
+    (0..places.len()).filter(move |k| *k == 0 || places[k - 1] != places[*k]).map(move |k| places[k])
 }
 
 /// Number of the column of a place: the largest whole number below, without a call of the library.
