@@ -20,7 +20,7 @@ use crate::records::{
 };
 
 /// A type that may stand in an artifact. A record is a JSON object: viewers and checks of schemas take no other.
-pub trait Record: Serialize + DeserializeOwned + JsonSchema {
+pub trait Record: Serialize + DeserializeOwned + JsonSchema + Clone + 'static {
     /// Schema name and version, e.g. `crumple.Events.v1`.
     const SCHEMA: &'static str;
 
