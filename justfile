@@ -157,9 +157,19 @@ test *args:
     cargo test --workspace --doc --quiet
     CRUMPLE_PROFILE=dev cargo nextest run --workspace "$@"
 
-# Times of the numerical kernels and of reading CSV on one thread, each beside a plain memory pass, and of whole runs: writes the tables of docs/performance.md. With arguments (`just bench era`): kernels alone.
+# Times of the numerical kernels and of reading CSV on one thread, each beside a plain memory pass, and of whole runs: writes the tables of docs/performance.md. With arguments (`just bench era`): kernels alone; `just bench --peer [--turns N]`: a Python script of pandas, scipy and matplotlib in turns with `crumple run`.
 [group('development')]
 bench *args:
+    @if [ "${1-}" = --peer ]; then shift; just peer-bench "$@"; else just own-bench "$@"; fi
+
+[private]
+peer-bench *args: build
+    @[ -x target/peer/bin/python ] || python3 -m venv target/peer
+    @target/peer/bin/pip install --quiet --disable-pip-version-check pandas==3.1.1 scipy==1.17.1 matplotlib==3.11.2
+    @cargo run --quiet --release --package crumple-testkit -- peer --bin "$bin" target/peer/bin/python "$@"
+
+[private]
+own-bench *args:
     @mkdir -p target; rm -f target/bench.ndjson
     CRUMPLE_BENCH="$project/target/bench.ndjson" RAYON_NUM_THREADS=1 cargo bench --quiet --workspace --bench '*' -- "$@"
     [ $# -gt 0 ] || { CRUMPLE_PROFILE=release just build; \
@@ -237,7 +247,12 @@ bytes *args:
 # Instructions of whole runs by stage (callgrind, one thread, no load moves them) into docs/performance.md; above 1.03 of what is accepted it fails.
 [group('development')]
 instructions *args: build
-    @cargo run --quiet --release --package crumple-testkit -- instructions --bin "$bin" "$@"
+    @rm -rf target/instructions; mkdir -p target/instructions
+    @counted='*benchmark*counted*'; CRUMPLE_BENCH_COUNTED=1 CRUMPLE_BENCH="$project/target/instructions/figures.ndjson" RAYON_NUM_THREADS=1 \
+        cargo bench --quiet --workspace --bench '*' --config "target.'cfg(all())'.runner = ['valgrind', '--quiet', '--tool=callgrind', \
+            '--collect-atstart=no', '--toggle-collect=$counted', '--dump-after=$counted', \
+            '--callgrind-out-file=$project/target/instructions/%p']" >target/instructions/said.txt 2>&1
+    @cargo run --quiet --release --package crumple-testkit -- instructions --bin "$bin" --kernels target/instructions "$@"
 
 # How often the 95 % intervals of fitted parameters hold the truth, 300 made records a family: `just interval-benchmark [--choice] [--contact] [--clean] [--records N] [--first K] [FAMILY ...]`.
 [group('development')]

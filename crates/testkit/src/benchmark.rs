@@ -5,6 +5,7 @@ use std::hint::black_box;
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
@@ -19,10 +20,28 @@ const FEWEST_RUNS: usize = 5;
 const SHORTEST: Duration = Duration::from_micros(500);
 /// Names the file that collects the figures: `just bench` sets it.
 const COLLECTED: &str = "CRUMPLE_BENCH";
+/// Set where callgrind counts instead of a clock: `just instructions` sets it.
+const COUNTED: &str = "CRUMPLE_BENCH_COUNTED";
+/// How often [`counted`] was called.
+static CALLS: AtomicU32 = AtomicU32::new(0);
+
+/// The work that callgrind counts, by the name of this function: it writes a file behind each call.
+#[inline(never)]
+pub fn counted<T>(work: &mut impl FnMut() -> T) {
+    drop(black_box(work()));
+}
 
 /// Shortest time of some runs of `work`, s, of one run where it takes over a second: what else runs on the machine only
 /// adds. What it returns is used, so that the work is not left out; whatever is allocated and freed counts.
+///
+/// Where callgrind counts, a second call is counted and no time is taken.
 pub fn best_s<T>(mut work: impl FnMut() -> T) -> f64 {
+    if std::env::var_os(COUNTED).is_some() {
+        drop(black_box(work()));
+        counted(&mut work);
+        CALLS.fetch_add(1, Relaxed);
+        return 0.0;
+    }
     let started = Instant::now();
     drop(black_box(work()));
     let first = started.elapsed();
@@ -41,6 +60,9 @@ pub fn best_s<T>(mut work: impl FnMut() -> T) -> f64 {
 
 /// A plain memory pass over samples: each is read and written to a buffer that is there already, s.
 pub fn memory_pass_s<T: Copy>(samples: &[T]) -> f64 {
+    if std::env::var_os(COUNTED).is_some() {
+        return 1.0;
+    }
     let mut copy = samples.to_vec();
     best_s(|| {
         copy.copy_from_slice(black_box(samples));
@@ -61,12 +83,16 @@ pub struct Figure {
     pub aim_s: Option<f64>,
     /// What another program takes, measured elsewhere.
     pub peer: Option<String>,
+    /// Process and call of [`counted`], where callgrind counts.
+    #[serde(default)]
+    pub call: Option<(u32, u32)>,
 }
 
 impl Figure {
     /// A time beside that of a memory pass over the same data, s.
     pub fn new(work: impl Into<String>, seconds: f64, pass_s: f64) -> Self {
-        Self { work: work.into(), seconds, pass_s, aim_s: None, peer: None }
+        let call = std::env::var_os(COUNTED).map(|_| (std::process::id(), CALLS.load(Relaxed)));
+        Self { work: work.into(), seconds, pass_s, aim_s: None, peer: None, call }
     }
 
     /// With what it should take at most, s, and what another program takes: `scipy 10 ms`.
@@ -171,6 +197,48 @@ fn cost(crumple: &Path, record: &Path, times: u32) -> std::io::Result<Cost> {
     }
     fs::remove_dir_all(&folder)?;
     Ok(cost)
+}
+
+/// Times the peer, a Python script that does the same job, and `crumple run` in turns, as rows of a table: what else
+/// runs on the machine slows both.
+///
+/// # Errors
+/// A program that does not start or fails.
+pub fn beside_peer(crumple: &Path, python: &Path, turns: usize) -> std::io::Result<String> {
+    let folder = std::env::temp_dir().join(format!("crumple-peer-{}", std::process::id()));
+    fs::create_dir_all(&folder)?;
+    let made = folder.join("made.csv");
+    fs::write(&made, made_crash(1e4))?;
+    let fixture = crate::workspace().join("fixtures/elastoplastic/crash.csv");
+    let script = crate::workspace().join("scripts/peer.py");
+    let timed = |command: &mut Command| -> std::io::Result<f64> {
+        let start = Instant::now();
+        let output = command.output()?;
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        let is_done = output.status.success();
+        is_done.then(|| start.elapsed().as_secs_f64()).ok_or_else(|| std::io::Error::other(said))
+    };
+    let mut text = String::from("| record | the script | `crumple run` | ratio |\n|---|--:|--:|--:|\n");
+    for (name, record) in [("fixture `elastoplastic`", &fixture), ("one crash at 10 kHz", &made)] {
+        let (mut peer, mut own, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
+        for _ in 0..turns {
+            let of_peer = timed(Command::new(python).arg(&script).arg(record).arg(folder.join("peer")))?;
+            let run = folder.join("run");
+            let of_own = timed(Command::new(crumple).arg("run").arg(record).arg("-q").arg("-o").arg(&run))?;
+            fs::remove_dir_all(&run)?;
+            peer.push(of_peer);
+            own.push(of_own);
+            ratios.push(of_peer / of_own);
+        }
+        let middle = |mut values: Vec<f64>| {
+            values.sort_by(f64::total_cmp);
+            values[values.len() / 2]
+        };
+        let ratio = middle(ratios);
+        text += &format!("| {name} | {} | {} | {ratio:.1} |\n", duration(middle(peer)), duration(middle(own)));
+    }
+    fs::remove_dir_all(&folder)?;
+    Ok(text)
 }
 
 /// One made crash of a quarter of a second at a rate, as a table.

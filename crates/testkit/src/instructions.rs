@@ -1,4 +1,4 @@
-//! Instructions of whole runs, by stage: what the load of a machine cannot move.
+//! Instructions of whole runs, by stage, and of kernels: what the load of a machine cannot move.
 //!
 //! Counted by callgrind on one thread. A run is counted twice: in one process, and as the chain of stage programs, each
 //! of which is a process with a count of its own. Counts hold for one compiler and one kind of processor: programs that
@@ -12,7 +12,7 @@ use std::process::Command;
 
 use serde::{Deserialize, Serialize};
 
-use crate::benchmark::made_crash;
+use crate::benchmark::{Figure, made_crash};
 use crate::prediction_error::{KINDS, made};
 use crate::workspace;
 
@@ -36,8 +36,12 @@ pub struct Count {
     pub stages: BTreeMap<String, u64>,
 }
 
-/// Counts by record.
-pub type Counts = BTreeMap<String, Count>;
+/// Counts of whole runs by record, and of kernels by what they do.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Counts {
+    pub runs: BTreeMap<String, Count>,
+    pub kernels: BTreeMap<String, u64>,
+}
 
 /// The line of docs/performance.md above its table.
 pub const BEGIN: &str = "<!-- just instructions writes this table -->\n";
@@ -65,10 +69,10 @@ fn records(folder: &Path) -> io::Result<Vec<(String, std::path::PathBuf)>> {
 ///
 /// # Errors
 /// Valgrind is missing; a run fails.
-pub fn counts(bin: &Path, wanted: &[String], folder: &Path) -> io::Result<Counts> {
+pub fn runs(bin: &Path, wanted: &[String], folder: &Path) -> io::Result<BTreeMap<String, Count>> {
     fs::create_dir_all(folder)?;
     let is_wanted = |name: &str| wanted.is_empty() || wanted.iter().any(|word| name.contains(word.as_str()));
-    let mut counts = Counts::new();
+    let mut counts = BTreeMap::new();
     for (name, record) in records(folder)?.into_iter().filter(|(name, _)| is_wanted(name)) {
         let out = folder.join("out");
         let mut run = callgrind(folder)?;
@@ -136,11 +140,31 @@ fn of_process(text: &str) -> Option<(String, u64)> {
     Some((program.strip_prefix("crumple-").unwrap_or(&program).to_owned(), count))
 }
 
+/// Counts of the kernels that the benchmarks called: `figures.ndjson` of a folder says which call is of which kernel,
+/// and callgrind wrote a file `PROCESS.CALL` behind each.
+///
+/// # Errors
+/// A file that cannot be read, or that holds no count.
+pub fn kernels(folder: &Path) -> io::Result<BTreeMap<String, u64>> {
+    let mut counts = BTreeMap::new();
+    for line in fs::read_to_string(folder.join("figures.ndjson"))?.lines() {
+        let figure: Figure = serde_json::from_str(line)?;
+        let Some((process, call)) = figure.call.filter(|_| figure.aim_s.is_some()) else { continue };
+        let path = folder.join(format!("{process}.{call}"));
+        let text =
+            fs::read_to_string(&path).map_err(|error| io::Error::other(format!("{}: {error}", path.display())))?;
+        let (_, count) =
+            of_process(&text).ok_or_else(|| io::Error::other(format!("{} holds no count", path.display())))?;
+        counts.insert(figure.work.trim().to_owned(), count);
+    }
+    Ok(counts)
+}
+
 /// What has become slower than it may, each in a line.
 pub fn slower(counts: &Counts, accepted: &Counts) -> Vec<String> {
     let mut slower = Vec::new();
-    for (record, count) in counts {
-        let Some(before) = accepted.get(record) else { continue };
+    for (record, count) in &counts.runs {
+        let Some(before) = accepted.runs.get(record) else { continue };
         let stages = count.stages.iter().map(|(stage, now)| (stage.as_str(), *now, before.stages.get(stage).copied()));
         for (what, now, before) in stages.chain([("the whole run", count.run, Some(before.run))]) {
             let Some(before) = before.filter(|before| *before >= LEAST) else { continue };
@@ -150,6 +174,12 @@ pub fn slower(counts: &Counts, accepted: &Counts) -> Vec<String> {
             }
         }
     }
+    for (kernel, now) in &counts.kernels {
+        let ratio = accepted.kernels.get(kernel).map_or(0.0, |before| *now as f64 / *before as f64);
+        if ratio > MOST {
+            slower.push(format!("{kernel} takes {ratio:.3} of what is accepted, at most {MOST} is"));
+        }
+    }
     slower
 }
 
@@ -157,22 +187,20 @@ pub fn slower(counts: &Counts, accepted: &Counts) -> Vec<String> {
 pub fn table(counts: &Counts, accepted: &Counts) -> String {
     let mut stages: Vec<&str> = Vec::new();
     for stage in ["ingest", "filter", "integrate", "identify", "parameter-solve", "simulate", "predict", "report"] {
-        if counts.values().any(|count| count.stages.contains_key(stage)) {
+        if counts.runs.values().any(|count| count.stages.contains_key(stage)) {
             stages.push(stage);
         }
     }
     let mut text = format!("| record | whole run | {} |\n|---|--:|", stages.join(" | "));
     text += &"--:|".repeat(stages.len());
     text.push('\n');
-    for (record, count) in counts {
-        let before = accepted.get(record);
-        let cell = |now: Option<u64>, before: Option<u64>| match (now, before) {
-            (None, _) => String::new(),
-            (Some(now), None) => format!("{:.0}", 1e-6 * now as f64),
-            (Some(now), Some(before)) => {
-                format!("{:.0} ({:.2})", 1e-6 * now as f64, now as f64 / before.max(1) as f64)
-            }
-        };
+    let cell = |now: Option<u64>, before: Option<u64>| match (now, before) {
+        (None, _) => String::new(),
+        (Some(now), None) => millions(now),
+        (Some(now), Some(before)) => format!("{} ({:.2})", millions(now), now as f64 / before.max(1) as f64),
+    };
+    for (record, count) in &counts.runs {
+        let before = accepted.runs.get(record);
         let of_stage = |stage: &&str| {
             cell(count.stages.get(*stage).copied(), before.and_then(|before| before.stages.get(*stage).copied()))
         };
@@ -180,7 +208,20 @@ pub fn table(counts: &Counts, accepted: &Counts) -> String {
         let cells: Vec<String> = stages.iter().map(of_stage).collect();
         text += &format!("| {record} | {whole} | {} |\n", cells.join(" | "));
     }
+    if !counts.kernels.is_empty() {
+        text += "\n| kernel | instructions |\n|---|--:|\n";
+    }
+    for (kernel, now) in &counts.kernels {
+        text += &format!("| {kernel} | {} |\n", cell(Some(*now), accepted.kernels.get(kernel).copied()));
+    }
     text
+}
+
+/// Millions with three digits at least.
+fn millions(count: u64) -> String {
+    let millions = 1e-6 * count as f64;
+    let decimals = if millions < 1.0 { 3 } else { usize::from(millions < 100.0) };
+    format!("{millions:.decimals$}")
 }
 
 #[cfg(test)]
@@ -202,14 +243,20 @@ mod tests {
 
     #[test]
     fn a_stage_that_is_slower_is_named_with_its_record() {
-        let accepted = Counts::from([("kelvin".to_owned(), count(1_000_000_000, 600_000_000))]);
-        let now = |run, solve| Counts::from([("kelvin".to_owned(), count(run, solve))]);
+        let of = |name: &str, run, solve, kernel| Counts {
+            runs: BTreeMap::from([(name.to_owned(), count(run, solve))]),
+            kernels: BTreeMap::from([("ERA".to_owned(), kernel)]),
+        };
+        let accepted = of("kelvin", 1_000_000_000, 600_000_000, 1_000_000);
+        let now = |run, solve| of("kelvin", run, solve, 1_020_000);
         assert!(slower(&now(1_029_000_000, 617_000_000), &accepted).is_empty());
         let found = slower(&now(1_040_000_000, 640_000_000), &accepted);
         assert!(found.len() == 2 && found[0].starts_with("kelvin: parameter-solve takes 1.067"), "{found:?}");
         // What was not accepted yet, and what is mostly the start of a process, is not judged.
-        assert!(slower(&Counts::from([("new".to_owned(), count(9, 9))]), &accepted).is_empty());
+        assert!(slower(&of("new", 9, 9, 9), &accepted).is_empty());
+        assert!(slower(&of("new", 9, 9, 1_040_000), &accepted)[0].starts_with("ERA takes 1.040"));
         let table = table(&now(1_040_000_000, 640_000_000), &accepted);
-        assert!(table.contains("| kelvin | 1040 (1.04) | 5 (1.00) | 640 (1.07) |"), "{table}");
+        assert!(table.contains("| kelvin | 1040 (1.04) | 5.0 (1.00) | 640 (1.07) |"), "{table}");
+        assert!(table.ends_with("| ERA | 1.0 (1.02) |\n"), "{table}");
     }
 }

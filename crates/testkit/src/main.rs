@@ -71,6 +71,9 @@ enum Command {
         /// Write these counts there
         #[arg(long)]
         accept: bool,
+        /// Folder of what callgrind counted of the benchmarks
+        #[arg(long)]
+        kernels: Option<PathBuf>,
         /// Words of names of records; with them the page stays as it is
         record: Vec<String>,
     },
@@ -86,6 +89,15 @@ enum Command {
         /// Records that cannot be read
         #[arg(default_value_t = 0)]
         broken: usize,
+    },
+    /// Times a Python script that does the same job and `crumple run` in turns
+    Peer {
+        #[command(flatten)]
+        programs: Programs,
+        /// Python with pandas, scipy and matplotlib
+        python: PathBuf,
+        #[arg(long, default_value_t = 5)]
+        turns: usize,
     },
     /// Times whole runs, and writes them and the figures of the kernels into docs/performance.md
     Performance {
@@ -236,8 +248,16 @@ fn run(command: Command) -> Result<bool, Failure> {
             write_fleet(&folder, records, broken, SEED).map_err(|error| format!("{}: {error}", folder.display()))?;
             Ok(true)
         }
-        Command::Instructions { programs, accepted, accept, record } => {
-            count_instructions(&programs.bin, &accepted, accept, &record)
+        Command::Instructions { programs, accepted, accept, kernels, record } => {
+            let folder = own_folder("crumple-instructions");
+            let runs = instructions::runs(&programs.bin, &record, &folder)?;
+            std::fs::remove_dir_all(&folder)?;
+            let kernels = kernels.as_deref().map(instructions::kernels).transpose()?.unwrap_or_default();
+            judge_instructions(Counts { runs, kernels }, &accepted, accept, record.is_empty())
+        }
+        Command::Peer { programs, python, turns } => {
+            print!("{}", performance::beside_peer(&programs.bin.join("crumple"), &python, turns.max(1))?);
+            Ok(true)
         }
         Command::Performance { programs, figures } => write_performance(&programs.bin, &figures),
         Command::PredictionBenchmark(asked) => prediction_benchmark(&asked),
@@ -263,25 +283,23 @@ fn write_between((begin, end): (&str, &str), text: &str) -> Result<(), Failure> 
     Ok(std::fs::write(&path, format!("{head}{begin}\n{text}{end}{foot}"))?)
 }
 
-/// Counts, prints the table and what became slower; whether nothing did.
-fn count_instructions(bin: &Path, accepted: &Path, accept: bool, records: &[String]) -> Result<bool, Failure> {
-    let folder = own_folder("crumple-instructions");
-    let counts = instructions::counts(bin, records, &folder)?;
-    std::fs::remove_dir_all(&folder)?;
+/// Prints the table of counts and what became slower; whether nothing did.
+fn judge_instructions(counts: Counts, accepted: &Path, accept: bool, are_all: bool) -> Result<bool, Failure> {
     let before: Counts = match std::fs::read(accepted) {
         Ok(bytes) => serde_json::from_slice(&bytes)?,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Counts::new(),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Counts::default(),
         Err(error) => return Err(error.into()),
     };
     let table = instructions::table(&counts, &before);
     print!("{table}");
     let slower = if accept { Vec::new() } else { instructions::slower(&counts, &before) };
     slower.iter().for_each(|line| println!("{line}"));
-    if records.is_empty() {
+    if are_all {
         write_between((instructions::BEGIN, instructions::END), &table)?;
     }
     if accept {
-        let all: Counts = before.into_iter().chain(counts).collect();
+        let runs = before.runs.into_iter().chain(counts.runs).collect();
+        let all = Counts { runs, kernels: before.kernels.into_iter().chain(counts.kernels).collect() };
         std::fs::write(accepted, serde_json::to_string_pretty(&all)? + "\n")?;
     }
     Ok(slower.is_empty())

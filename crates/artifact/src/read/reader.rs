@@ -129,7 +129,8 @@ impl Artifact {
     ///
     /// Errors: the topic holds another type or a newer version; the message does not decode.
     pub fn record<R: Record>(&self, topic: &str) -> Result<Option<R>, ReadError> {
-        let known = self.test.as_ref().filter(|_| topic == TEST).and_then(|test| (test as &dyn Any).downcast_ref::<R>());
+        let known =
+            self.test.as_ref().filter(|_| topic == TEST).and_then(|test| (test as &dyn Any).downcast_ref::<R>());
         if let Some(known) = known {
             return Ok(Some(known.clone()));
         }
