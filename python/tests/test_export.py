@@ -56,12 +56,26 @@ def assert_same(table, columns):
         assert np.isfinite(column).sum() == len(samples), name
 
 
+# Waveforms of the test, and of models and predictions.
+TABLES = ("waves", "simulated")
+
+
+def assert_all(tables, columns):
+    """The tables, each times and values by name, have all columns, each in one of them."""
+    assert sorted(name for _, values in tables for name in values) == sorted(columns)
+    for times, values in tables:
+        assert_same((times, values), {name: columns[name] for name in values})
+
+
 def test_csv(made, columns, tmp_path):
     of_program("export", made.folder, "--to", "csv", "-o", tmp_path)
-    with open(tmp_path / "waves.csv", encoding="utf-8", newline="") as file:
-        heads, *rows = csv.reader(file)
-    cells = np.array([[float(cell or "nan") for cell in row] for row in rows]).T
-    assert_same((cells[0], dict(zip(heads[1:], cells[1:]))), columns)
+    tables = []
+    for table in TABLES:
+        with open(tmp_path / f"{table}.csv", encoding="utf-8", newline="") as file:
+            heads, *rows = csv.reader(file)
+        cells = np.array([[float(cell or "nan") for cell in row] for row in rows]).T
+        tables.append((cells[0], dict(zip(heads[1:], cells[1:]))))
+    assert_all(tables, columns)
     of_program("export", made.folder, "--to", "csv", "-o", tmp_path / "again")
     for file in tmp_path.glob("*.csv"):
         assert file.read_bytes() == (tmp_path / "again" / file.name).read_bytes()
@@ -94,12 +108,17 @@ def test_parameters_and_metrics_are_those_of_the_summary(made, tmp_path):
 def test_parquet(made, columns, tmp_path):
     pandas, polars, parquet = (pytest.importorskip(name) for name in ("pandas", "polars", "pyarrow.parquet"))
     of_program("export", made.folder, "--to", "parquet", "-o", tmp_path)
-    file = tmp_path / "waves.parquet"
-    for frame in (pandas.read_parquet(file), polars.read_parquet(file).to_pandas(), parquet.read_table(file).to_pandas()):
-        values = {name: frame[name].to_numpy(dtype=float) for name in frame.columns[1:]}
-        assert_same((frame["time_s"].to_numpy(), values), columns)
-    units = parquet.read_schema(file).metadata
-    assert units[b"accel_g/displacement_m"] == b"m" and len(units) == len(columns) + 1
+    files = [tmp_path / f"{table}.parquet" for table in TABLES]
+    for read in (
+        pandas.read_parquet,
+        lambda file: polars.read_parquet(file).to_pandas(),
+        lambda file: parquet.read_table(file).to_pandas(),
+    ):
+        frames = [read(file) for file in files]
+        values = [{name: frame[name].to_numpy(dtype=float) for name in frame.columns[1:]} for frame in frames]
+        assert_all([(frame["time_s"].to_numpy(), own) for frame, own in zip(frames, values)], columns)
+    units = [parquet.read_schema(file).metadata for file in files]
+    assert units[0][b"accel_g/displacement_m"] == b"m" and sum(map(len, units)) == len(columns) + 2
 
 
 def test_a_workbook(made, columns, tmp_path):
@@ -107,11 +126,14 @@ def test_a_workbook(made, columns, tmp_path):
     file = tmp_path / "crash.xlsx"
     of_program("export", made.folder, "--to", "xlsx", "-o", file)
     book = openpyxl.load_workbook(file)
-    assert book.sheetnames == ["waves", "parameters", "metrics", "predictions", "notes"]
-    heads, *rows = book["waves"].iter_rows(values_only=True)
+    assert book.sheetnames == ["waves", "simulated", "parameters", "metrics", "predictions", "notes"]
     assert book["waves"].freeze_panes == "A2" and book["waves"]["A1"].font.b
-    cells = np.array([[np.nan if cell is None else cell for cell in row] for row in rows], float).T
-    assert_same((cells[0], dict(zip(heads[1:], cells[1:]))), columns)
+    tables = []
+    for table in TABLES:
+        heads, *rows = book[table].iter_rows(values_only=True)
+        cells = np.array([[np.nan if cell is None else cell for cell in row] for row in rows], float).T
+        tables.append((cells[0], dict(zip(heads[1:], cells[1:]))))
+    assert_all(tables, columns)
     of_program("export", made.folder, "--to", "xlsx", "-o", tmp_path / "again.xlsx")
     assert file.read_bytes() == (tmp_path / "again.xlsx").read_bytes()
 

@@ -117,7 +117,7 @@ impl Figure {
     }
 
     fn row(&self) -> String {
-        let Self { work, seconds, pass_s, aim_s, peer } = self;
+        let Self { work, seconds, pass_s, aim_s, peer, .. } = self;
         let aim = aim_s.map_or_else(String::new, duration);
         let mark = if aim_s.is_some_and(|aim| *seconds > aim) { "**" } else { "" };
         let work = work.trim();

@@ -39,7 +39,9 @@ pub struct Count {
 /// Counts of whole runs by record, and of kernels by what they do.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Counts {
+    /// Of whole runs, by record.
     pub runs: BTreeMap<String, Count>,
+    /// Of one call of each kernel, by what it does.
     pub kernels: BTreeMap<String, u64>,
 }
 

@@ -24,8 +24,8 @@ use crate::table::{Cell, CsvForm, Kind, Table, columns, write_csv, write_parquet
 
 /// Writes the results of a run as tables for other programs: CSV, Parquet, or a workbook.
 ///
-/// Tables of a run: waves (a column a waveform, a table a sampling rate), parameters, metrics, predictions, notes. A
-/// joint run has those of its model, a fleet has its own.
+/// Tables of a run: waves and simulated (a column a waveform, a table a sampling rate), parameters, metrics,
+/// predictions, notes. A joint run has those of its model, a fleet has its own.
 #[derive(Debug, clap::Parser)]
 #[command(
     name = "crumple-export",

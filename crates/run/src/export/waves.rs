@@ -102,20 +102,22 @@ fn rate(sampled: &Sampled) -> String {
     if rate < 1e3 { format!("{rate}Hz") } else { format!("{}kHz", rate / 1e3) }
 }
 
-/// The waveforms as tables. That of the rate of the first motion of the test is called `waves`, the others
-/// `waves-20kHz`. A row is an instant of any waveform; one that has no sample there has an empty cell.
+/// The waveforms as tables: those of the test at the rate of its first motion are called `waves`, those of models and
+/// predictions, which begin at contact, `simulated`, of other rates `waves-20kHz`. A row is an instant of any waveform;
+/// one that has no sample there has an empty cell.
 ///
 /// `decimate`: of so many rows those stay in which a waveform is lowest or highest among them, whole.
 pub(crate) fn wave_tables(waves: &[RunWave<'_>], decimate: Option<usize>) -> Vec<Table> {
     let is_of_motion = |wave: &&RunWave<'_>| wave.source == Source::Test && wave.quantity == QuantityKind::Displacement;
     let first = waves.iter().find(is_of_motion).or(waves.first()).map(|wave| rate(wave.sampled));
-    let mut groups: BTreeMap<(bool, String), Vec<&RunWave<'_>>> = BTreeMap::new();
+    let mut groups: BTreeMap<(bool, bool, String), Vec<&RunWave<'_>>> = BTreeMap::new();
     for wave in waves {
         let own = rate(wave.sampled);
-        groups.entry((Some(&own) != first.as_ref(), own)).or_default().push(wave);
+        groups.entry((wave.source != Source::Test, Some(&own) != first.as_ref(), own)).or_default().push(wave);
     }
-    let table = |((is_other, rate), waves): (&(bool, String), &Vec<&RunWave<'_>>)| {
-        let name = if *is_other { format!("waves-{rate}") } else { "waves".to_owned() };
+    let table = |((is_of_model, is_other, rate), waves): (&(bool, bool, String), &Vec<&RunWave<'_>>)| {
+        let name = if *is_of_model { "simulated" } else { "waves" };
+        let name = if *is_other { format!("{name}-{rate}") } else { name.to_owned() };
         let table = table_of(name, waves);
         decimate.map_or_else(|| table.clone(), |every| decimated(&table, every))
     };
@@ -181,8 +183,11 @@ mod tests {
         let early = Sampled::new(-0.002, 1e-3, vec![1.0, 2.0, 3.0, 4.0]).unwrap();
         let late = Sampled::new(0.0, 1e-3, vec![5.0, 6.0, 7.0]).unwrap();
         let fast = Sampled::new(0.0, 5e-5, vec![8.0, 9.0]).unwrap();
-        let tables = wave_tables(&[wave("a", &early), wave("b", &late), wave("c", &fast)], None);
-        assert_eq!(tables.iter().map(|table| &*table.name).collect::<Vec<_>>(), ["waves", "waves-20kHz"]);
+        let model = RunWave { source: Source::Model, ..wave("d", &late) };
+        let tables = wave_tables(&[wave("a", &early), wave("b", &late), wave("c", &fast), model], None);
+        assert_eq!(tables.iter().map(|table| &*table.name).collect::<Vec<_>>(), ["waves", "waves-20kHz", "simulated"]);
+        // It begins where its waveforms do: a reader that looks at the first rows sees numbers.
+        assert_eq!(tables[2].rows[0], [Cell::Number(0.0), Cell::Number(5.0)]);
         let numbers = |row: &Vec<Cell>| -> Vec<Option<f64>> {
             row.iter().map(|cell| if let Cell::Number(x) = cell { Some(*x) } else { None }).collect()
         };
