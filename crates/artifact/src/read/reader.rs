@@ -56,7 +56,7 @@ pub struct Artifact {
     /// What metadata state of waveforms whose quantity has no unit of its own.
     stated_units: BTreeMap<String, String>,
     /// The record of `/test`, which every stage asks for again and again.
-    test: Option<TestV1>,
+    test: Option<Box<TestV1>>,
 }
 
 impl Artifact {
@@ -130,7 +130,7 @@ impl Artifact {
     /// Errors: the topic holds another type or a newer version; the message does not decode.
     pub fn record<R: Record>(&self, topic: &str) -> Result<Option<R>, ReadError> {
         let known =
-            self.test.as_ref().filter(|_| topic == TEST).and_then(|test| (test as &dyn Any).downcast_ref::<R>());
+            self.test.as_deref().filter(|_| topic == TEST).and_then(|test| (test as &dyn Any).downcast_ref::<R>());
         if let Some(known) = known {
             return Ok(Some(known.clone()));
         }
@@ -394,10 +394,10 @@ impl<'a> Scan<'a> {
             stated_units: BTreeMap::new(),
             test: None,
         };
-        artifact.test = artifact.record(TEST).ok().flatten();
+        artifact.test = artifact.record(TEST).ok().flatten().map(Box::new);
         for (id, (assembler, topic)) in self.waves {
             // The quantity of a waveform without metadata comes from the test's channel list, if it is there.
-            let quantity = wave_quantity(&id, &topic.metadata, artifact.test.as_ref());
+            let quantity = wave_quantity(&id, &topic.metadata, artifact.test.as_deref());
             if let Some(problem) = unit_fault(quantity, &topic.metadata) {
                 return Err(ReadError::Message { path: artifact.path, topic: topic.name, problem });
             }
