@@ -10,10 +10,11 @@ use crate::typed::IN_RUN;
 const PREFIX: &str = "CRUMPLE_";
 
 /// Variables beside those of the stages: of programs, of the recipes, of CI, of tests, of what writes documents again.
-const OTHERS: [&str; 28] = [
+const OTHERS: [&str; 29] = [
     IN_RUN,
     "CRUMPLE_AUTHOR",
     "CRUMPLE_BENCH",
+    "CRUMPLE_BENCH_COUNTED",
     "CRUMPLE_BROWSER",
     "CRUMPLE_BUILD",
     "CRUMPLE_COMMENT",

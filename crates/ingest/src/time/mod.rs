@@ -10,7 +10,7 @@ use crumple_signal::{Sampled, SignalError};
 
 pub use grid::{Grid, GridError, STEP_TOLERANCE, fit, median_step};
 pub use resampling::{LinearInterpolation, OnGrid, on_grid};
-pub use samples::{CALENDAR_S, Kind, Timed, Times};
+pub use samples::{CALENDAR_S, Kind, LabelUnit, Timed, Times};
 pub use stamps::{Instant, over_midnight};
 pub use unit::stated_unit;
 

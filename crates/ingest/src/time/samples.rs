@@ -2,7 +2,6 @@
 
 use crumple_signal::{About, Notes, Weight};
 
-use crate::formats::text::column_names::Unit;
 use crate::recording::details::Stated;
 use crate::recording::settings;
 use crate::time::grid::{Grid, median_step};
@@ -29,6 +28,17 @@ pub enum Kind {
     Binary,
 }
 
+/// The unit that the label of times states.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum LabelUnit {
+    /// None.
+    Unstated,
+    /// One of time, with its factor to s.
+    Time(f64),
+    /// Another one.
+    Other,
+}
+
 /// A column or a channel of times, which increase, at least two.
 #[derive(Debug)]
 pub struct Times<'a> {
@@ -40,7 +50,7 @@ pub struct Times<'a> {
     /// The same as notes name it.
     pub whose: &'a str,
     /// The unit of its label.
-    pub unit: &'a Unit,
+    pub unit: LabelUnit,
     /// The unit that the file states elsewhere.
     pub comment: Option<&'a Stated<String>>,
     /// What a label with a unit looks like.
@@ -121,22 +131,22 @@ impl Times<'_> {
         let place = || Place::file(self.file).in_column(self.title);
         if let Some(symbol) = &settings.time_unit {
             let flag = stated_unit(place(), symbol, "--time-unit or the sidecar")?;
-            if matches!(self.unit, Unit::Time(of_label) if *of_label != flag) {
+            if matches!(self.unit, LabelUnit::Time(of_label) if of_label != flag) {
                 let text = format!("--time-unit {symbol} is not the unit that the label of {} states", self.whose);
                 notes.concern(About::Time, Weight::Marked, text);
             }
             return Ok(flag);
         }
         match (self.unit, self.comment) {
-            (Unit::Time(factor), comment) => {
-                comment.map_or(Ok(()), |stated| contradicts(self.file, self.title, *factor, stated))?;
-                Ok(*factor)
+            (LabelUnit::Time(factor), comment) => {
+                comment.map_or(Ok(()), |stated| contradicts(self.file, self.title, factor, stated))?;
+                Ok(factor)
             }
-            (Unit::Unknown(_) | Unit::Signal(..), _) => {
+            (LabelUnit::Other, _) => {
                 Err(unit_error(place(), "the header of the time column states a unit that is not a time"))
             }
-            (Unit::Unstated, Some(stated)) => stated_unit(place(), &stated.value, &stated.from),
-            (Unit::Unstated, None) => {
+            (LabelUnit::Unstated, Some(stated)) => stated_unit(place(), &stated.value, &stated.from),
+            (LabelUnit::Unstated, None) => {
                 unit_from_steps(self.file, self.whose, self.expected, &self.values, settings, notes)
             }
         }

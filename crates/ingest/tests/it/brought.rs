@@ -1,5 +1,5 @@
-//! Records as people bring them: HDF5, Parquet and JSON lines, volts and counts, forces of a wall, mass and speed above a table,
-//! and refusals that ask for everything at once.
+//! Records as people bring them: HDF5, Parquet and JSON lines, volts and counts, forces of a wall, mass and speed above
+//! a table, and refusals that ask for everything at once.
 
 use crumple_ingest::{IngestError, Ingested};
 use crumple_signal::{Axis, STANDARD_GRAVITY_M_PER_S2 as G};

@@ -185,7 +185,7 @@ pub fn find(
         file,
         title: &title,
         whose: &format!("column {title}"),
-        unit: &header.columns[column].unit,
+        unit: header.columns[column].unit.of_times(),
         comment,
         expected: "a unit in the header, such as time_s",
     };

@@ -5,6 +5,7 @@ use crumple_signal::{Axis, QuantityKind};
 
 use crate::error::Question;
 use crate::formats::iso13499;
+use crate::time::LabelUnit;
 use crate::{IngestError, Place, Result};
 
 #[derive(Debug, Clone, PartialEq)]
@@ -22,6 +23,15 @@ pub const ACCELERATION: Dimension = Dimension::Signal(QuantityKind::Acceleration
 const VELOCITY: Dimension = Dimension::Signal(QuantityKind::Velocity);
 
 impl Unit {
+    /// As that of times.
+    pub fn of_times(&self) -> LabelUnit {
+        match self {
+            Self::Unstated => LabelUnit::Unstated,
+            Self::Time(factor) => LabelUnit::Time(*factor),
+            Self::Signal(..) | Self::Unknown(_) => LabelUnit::Other,
+        }
+    }
+
     /// It is stated and one known here.
     pub fn is_known(&self) -> bool {
         matches!(self, Self::Time(_) | Self::Signal(..))

@@ -309,7 +309,7 @@ fn grid_of(
         file,
         title: &label.title,
         whose: &label.title,
-        unit: &label.unit,
+        unit: label.unit.of_times(),
         comment: None,
         expected: "a unit of the channel, such as s",
     };

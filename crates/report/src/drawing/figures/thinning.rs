@@ -20,7 +20,7 @@ fn by_columns(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     kept
 }
 
-/// Places of the first, the lowest, the highest and the last of so many values, at least one, in their order, each once.
+/// Places of the first, the lowest, the highest and the last of so many values, at least one, in order, each once.
 pub fn extremes(count: usize, value: impl Fn(usize) -> f64) -> impl Iterator<Item = usize> {
     let extreme = |better: fn(f64, f64) -> bool| {
         (0..count).fold(0, |best, k| if better(value(k), value(best)) { k } else { best })
