@@ -247,11 +247,15 @@ bytes *args:
 # Instructions of whole runs by stage (callgrind, one thread, no load moves them) into docs/performance.md; above 1.03 of what is accepted it fails.
 [group('development')]
 instructions *args: build
-    @rm -rf target/instructions; mkdir -p target/instructions
-    @counted='*benchmark*counted*'; CRUMPLE_BENCH_COUNTED=1 CRUMPLE_BENCH="$project/target/instructions/figures.ndjson" RAYON_NUM_THREADS=1 \
-        cargo bench --quiet --workspace --bench '*' --config "target.'cfg(all())'.runner = ['valgrind', '--quiet', '--tool=callgrind', \
-            '--collect-atstart=no', '--toggle-collect=$counted', '--dump-after=$counted', \
-            '--callgrind-out-file=$project/target/instructions/%p']" >target/instructions/said.txt 2>&1
+    @command -v valgrind >/dev/null || { echo "valgrind is missing: apt-get install valgrind" >&2; exit 2; }
+    @rm -rf target/instructions; mkdir -p target/instructions; : >target/instructions/figures.ndjson
+    @words=0; for word in "$@"; do case "$word" in -*) ;; *) words=1 ;; esac; done; [ "$words" = 0 ] || exit 0; \
+        counted='*benchmark*counted*'; CRUMPLE_BENCH_COUNTED=1 RAYON_NUM_THREADS=1 \
+        CRUMPLE_BENCH="$project/target/instructions/figures.ndjson" \
+        cargo bench --quiet --workspace --bench '*' --config "target.'cfg(all())'.runner = ['valgrind', '--quiet', \
+            '--tool=callgrind', '--collect-atstart=no', '--toggle-collect=$counted', '--dump-after=$counted', \
+            '--callgrind-out-file=$project/target/instructions/%p']" >target/instructions/said.txt 2>&1 \
+        || { cat target/instructions/said.txt >&2; exit 1; }
     @cargo run --quiet --release --package crumple-testkit -- instructions --bin "$bin" --kernels target/instructions "$@"
 
 # How often the 95 % intervals of fitted parameters hold the truth, 300 made records a family: `just interval-benchmark [--choice] [--contact] [--clean] [--records N] [--first K] [FAMILY ...]`.

@@ -48,7 +48,7 @@ pub(crate) use error::{GAPS_ARE_NOT_FILLED, Place, check_size, refuse, refuse_ch
 pub use error::{IngestError, Refusal, Result};
 pub use files::digests::RecordDigests;
 pub use formats::reader::{Bundle, FILE_LIMIT, LargeFile, NamedBytes, OpenFrom, Reader, ShowProgress};
-pub use formats::registry::READERS;
+pub use formats::registry::{READERS, is_ending_of_a_record};
 pub use ingest::{Ingested, ingest};
 pub use listing::{ListedChannel, list};
 pub use recording::content::{Fitness, LineNumbers, PulseRule, Quality, ReadChannel, Recording, Wave};

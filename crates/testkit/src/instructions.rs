@@ -16,8 +16,7 @@ use crate::benchmark::{Figure, made_crash};
 use crate::prediction_error::{KINDS, made};
 use crate::workspace;
 
-/// Above this ratio to what is accepted a stage or a run has become slower: what a change of the allocator's luck or of
-/// a hash moves was 0.2 % in three builds of one source.
+/// Above this ratio to what is accepted a stage, a run or a kernel has become slower. Ours.
 const MOST: f64 = 1.03;
 /// Counts of a stage below this are mostly the start of its process.
 const LEAST: u64 = 20_000_000;
@@ -74,8 +73,12 @@ fn records(folder: &Path) -> io::Result<Vec<(String, std::path::PathBuf)>> {
 pub fn runs(bin: &Path, wanted: &[String], folder: &Path) -> io::Result<BTreeMap<String, Count>> {
     fs::create_dir_all(folder)?;
     let is_wanted = |name: &str| wanted.is_empty() || wanted.iter().any(|word| name.contains(word.as_str()));
+    let records: Vec<_> = records(folder)?.into_iter().filter(|(name, _)| is_wanted(name)).collect();
+    if records.is_empty() {
+        return Err(io::Error::other(format!("no record is called {}", wanted.join(" or "))));
+    }
     let mut counts = BTreeMap::new();
-    for (name, record) in records(folder)?.into_iter().filter(|(name, _)| is_wanted(name)) {
+    for (name, record) in records {
         let out = folder.join("out");
         let mut run = callgrind(folder)?;
         run.arg(bin.join("crumple")).arg("run").arg(&record).arg("-o").arg(out.join("run"));
@@ -99,18 +102,18 @@ fn path_with(bin: &Path) -> std::ffi::OsString {
 }
 
 /// The ending of files of counts.
-const COUNTED: &str = "callgrind";
+const COUNT_FILE: &str = "callgrind";
 
 /// A command behind callgrind, one thread, a file for each process.
 fn callgrind(folder: &Path) -> io::Result<Command> {
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
-        if path.extension().is_some_and(|ending| ending == COUNTED) {
+        if path.extension().is_some_and(|ending| ending == COUNT_FILE) {
             fs::remove_file(path)?;
         }
     }
     let mut command = Command::new("valgrind");
-    command.arg("--tool=callgrind").arg(format!("--callgrind-out-file={}/%p.{COUNTED}", folder.display()));
+    command.arg("--tool=callgrind").arg(format!("--callgrind-out-file={}/%p.{COUNT_FILE}", folder.display()));
     command.env("RAYON_NUM_THREADS", "1").env("GLIBC_TUNABLES", NO_STRING_INSTRUCTIONS);
     Ok(command)
 }
@@ -125,7 +128,7 @@ fn counted(command: &mut Command, folder: &Path) -> io::Result<BTreeMap<String, 
     let mut counts = BTreeMap::new();
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
-        if path.extension().is_some_and(|ending| ending == COUNTED)
+        if path.extension().is_some_and(|ending| ending == COUNT_FILE)
             && let Some((program, count)) = of_process(&fs::read_to_string(&path)?)
         {
             *counts.entry(program).or_default() += count;

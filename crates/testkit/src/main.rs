@@ -287,8 +287,8 @@ fn write_between((begin, end): (&str, &str), text: &str) -> Result<(), Failure> 
 fn judge_instructions(counts: Counts, accepted: &Path, accept: bool, are_all: bool) -> Result<bool, Failure> {
     let before: Counts = match std::fs::read(accepted) {
         Ok(bytes) => serde_json::from_slice(&bytes)?,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Counts::default(),
-        Err(error) => return Err(error.into()),
+        Err(error) if accept && error.kind() == std::io::ErrorKind::NotFound => Counts::default(),
+        Err(error) => return Err(format!("{}: {error}; --accept writes it", accepted.display()).into()),
     };
     let table = instructions::table(&counts, &before);
     print!("{table}");

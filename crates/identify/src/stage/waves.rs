@@ -272,7 +272,9 @@ pub fn record(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow:
     let ids = match &input_output.inputs[..] {
         [] => {
             let channel = channel(source, &no_pulse())?;
-            if answers_itself(source, channel) { Vec::new() } else { vec![channel.to_owned()] }
+            // Nothing drives what answers by itself.
+            let is_free = input_output.outputs.is_empty() && answers_itself(source, channel);
+            if is_free { Vec::new() } else { vec![channel.to_owned()] }
         }
         [none] if none == "none" => Vec::new(),
         several => several.to_vec(),

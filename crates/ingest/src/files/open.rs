@@ -15,7 +15,7 @@ use crate::formats::iso_mme::{channel_file, is_channel_folder, is_channel_name};
 use crate::formats::reader::{
     Bundle, FILE_LIMIT, LargeFile, NamedBytes, Reader, ShowProgress, Stamp, check_total, stem,
 };
-use crate::formats::registry::recognise;
+use crate::formats::registry::{is_ending_of_a_record, recognise};
 use crate::{IngestError, IngestSettings, Result, check_size, refuse_path, refuse_size};
 
 /// Tables above this are read piece by piece, bytes.
@@ -337,12 +337,8 @@ fn main_file_of(folder: &Path) -> Result<PathBuf> {
 /// Whether a file ends as tables and containers do, texts aside, which may be a readme; its content decides when it is
 /// read.
 fn is_named_as_a_record(path: &Path) -> bool {
-    const ENDINGS: [&str; 16] = [
-        "csv", "tsv", "parquet", "xlsx", "mat", "tdms", "tdm", "lvm", "uff", "unv", "h5", "hdf5", "jsonl", "bag",
-        "mcap", "zip",
-    ];
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-    ending.is_some_and(|ending| ENDINGS.contains(&ending.as_str()))
+    ending.is_some_and(|ending| is_ending_of_a_record(&ending))
 }
 
 pub(crate) fn head(path: &Path, length: u64) -> Result<Vec<u8>> {

@@ -7,7 +7,7 @@ use zip::ZipArchive;
 
 use crate::formats::iso_mme::{channel_file, is_channel_folder, is_channel_name};
 use crate::formats::reader::{Bundle, FILE_LIMIT, check_total, stem};
-use crate::formats::registry::NUMPY;
+use crate::formats::registry::{CONTAINERS, NUMPY};
 use crate::formats::workbook;
 use crate::recording::content::MINIMUM_SAMPLES;
 use crate::{IngestError, Result, check_size, refuse_path, refuse_size};
@@ -16,9 +16,6 @@ use crate::{IngestError, Result, check_size, refuse_path, refuse_size};
 const ENTRY_LIMIT: usize = 20_000;
 /// Endings of names that may be tables; the content decides.
 const TABLES: [&str; 6] = ["csv", "tsv", "txt", "dat", "asc", "prn"];
-
-/// Endings of LabVIEW and DIAdem files.
-const MEASUREMENTS: [&str; 7] = ["tdms", "tdm", "lvm", "mat", "uff", "unv", "xlsx"];
 
 /// Whether these are the first bytes of a zip archive (an empty one included).
 pub fn is_zip(bytes: &[u8]) -> bool {
@@ -203,7 +200,7 @@ fn main_entry<'a>(file: &str, zip: &mut ZipArchive<Cursor<&[u8]>>, entries: &'a 
     let with = |endings: &[&str]| entries.iter().filter(|e| e.has_extension(endings)).collect::<Vec<&Entry>>();
     let mut tables = with(&TABLES);
     tables.retain(|e| !e.name.to_lowercase().contains("readme"));
-    let measurements = with(&MEASUREMENTS);
+    let measurements = with(&CONTAINERS);
     let mut records = Vec::new();
     for table in tables.iter().filter(|_| tables.len() > 1 && measurements.is_empty()) {
         if may_be_a_record(file, zip, table)? {

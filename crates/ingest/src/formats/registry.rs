@@ -27,6 +27,16 @@ pub const READERS: &[&Reader] = &[
     &table::TABLE,
 ];
 
+/// Endings of files that hold more than text.
+pub(crate) const CONTAINERS: [&str; 11] =
+    ["tdms", "tdm", "lvm", "mat", "uff", "unv", "xlsx", "h5", "hdf5", "parquet", "jsonl"];
+
+/// Whether files that end so, in small letters, are meant as records whatever is in them. Texts, which may be a readme,
+/// are not among them.
+pub fn is_ending_of_a_record(ending: &str) -> bool {
+    CONTAINERS.contains(&ending) || ["csv", "tsv", "ev5", "mme", "mcap", "bag", "zip"].contains(&ending)
+}
+
 impl Bundle {
     /// A record that is one file, already in memory.
     pub fn from_bytes(name: &str, bytes: Vec<u8>) -> Result<Self> {

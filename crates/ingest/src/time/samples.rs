@@ -3,7 +3,6 @@
 use crumple_signal::{About, Notes, Weight};
 
 use crate::recording::details::Stated;
-use crate::recording::settings;
 use crate::time::grid::{Grid, median_step};
 use crate::time::resampling::{LinearInterpolation, OnGrid, on_grid};
 use crate::time::stamps::resolution_of_stamps;
@@ -82,14 +81,9 @@ impl Times<'_> {
         place: impl Fn(usize) -> Place,
         notes: &mut Notes,
     ) -> Result<Timed> {
-        if let Some(k) = self.values.iter().position(|t| !t.is_finite()) {
-            return refuse(place(k), "a time that is not finite", "finite times", "export it again");
-        }
-        let is_stated = settings.time_unit.is_some();
-        if self.kind == Kind::Clock && is_stated {
-            settings::warn("--time-unit", "the times are those of a clock", notes);
-        }
         // A stated unit says that the numbers are of that.
+        let is_stated =
+            settings.time_unit.is_some() || matches!(self.unit, LabelUnit::Time(_)) || self.comment.is_some();
         if matches!(self.kind, Kind::Printed(_) | Kind::Binary)
             && !is_stated
             && let Some(from_first) = packed_clock(&self.values)
@@ -107,6 +101,9 @@ impl Times<'_> {
         // By division where that is exact: 20 ms are 0.02 s to the last bit.
         let inverse = (1.0 / unit_s).round();
         self.values.iter_mut().for_each(|t| if unit_s < 1.0 { *t /= inverse } else { *t *= unit_s });
+        if let Some(k) = self.values.iter().position(|t| !t.is_finite()) {
+            return refuse(place(k), "a time that is not finite", "finite times", "export it again");
+        }
         let OnGrid { grid, interpolation, words, .. } = on_grid(&self.values, resolution_s, settings, place)?;
         Ok(Timed { grid, interpolation, words, origin_s, is_of_a_clock: self.kind == Kind::Clock })
     }

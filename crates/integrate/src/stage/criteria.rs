@@ -44,15 +44,21 @@ pub fn barrier(
     out: &mut Output,
 ) -> anyhow::Result<Vec<MetricV1>> {
     let cells = settings.barrier_cells;
+    let unused = |out: &mut Output| {
+        if !settings.wall_heights.is_empty() {
+            out.notes().warning("wall-heights is not used: there is no force of a wall".to_owned());
+        }
+        Ok(Vec::new())
+    };
     let listed: Vec<&Channel> = test.channels.iter().filter(|channel| channel.is_wall_force()).collect();
     let valid = |channel: &&&Channel| matches!(channel.status, ChannelStatus::Valid | ChannelStatus::Computed);
     let summed: Vec<(&str, &Sampled)> = match cells {
-        BarrierCells::None => return Ok(Vec::new()),
+        BarrierCells::None => return unused(out),
         BarrierCells::All => waves(input, listed.iter()),
         BarrierCells::Valid => waves(input, listed.iter().filter(valid)),
     };
     let Some(sum) = sum_of_cells(&summed).refuse_with_hint(without_the_barrier())? else {
-        return Ok(Vec::new());
+        return unused(out);
     };
     if cells == BarrierCells::Valid {
         let dead: Vec<&str> = listed
@@ -269,7 +275,9 @@ fn height_of_force(
     let value =
         average_height_of_force(&way.displacement_m, way.of_force(sum.force.samples()), way.of_force(&moment_n_m));
     let metric = if unknown.is_empty() {
-        Metric::of(&AHOF400, value, TOO_SHORT).over(0.0, way.end_s)
+        let reached = way.displacement_m.iter().any(|x| *x >= KW400_TO_M);
+        let reason = if reached { "the force does no work from 25 to 400 mm" } else { TOO_SHORT };
+        Metric::of(&AHOF400, value, reason).over(0.0, way.end_s)
     } else {
         Metric::of(&AHOF400, None, &format!("no height is stated of {}", some(&unknown)))
     };

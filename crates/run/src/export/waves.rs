@@ -103,7 +103,7 @@ fn rate(sampled: &Sampled) -> String {
 }
 
 /// The waveforms as tables: those of the test at the rate of its first motion are called `waves`, those of models and
-/// predictions, which begin at contact, `simulated`, of other rates `waves-20kHz`. A row is an instant of any waveform;
+/// predictions, which begin at contact or with the window, `simulated`, of other rates `waves-20kHz`. A row is an instant of any waveform;
 /// one that has no sample there has an empty cell.
 ///
 /// `decimate`: of so many rows those stay in which a waveform is lowest or highest among them, whole.

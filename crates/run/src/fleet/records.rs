@@ -7,7 +7,7 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use crumple_ingest::{Bundle, READERS, Reader, RecordDigests};
+use crumple_ingest::{Bundle, READERS, Reader, RecordDigests, is_ending_of_a_record};
 use crumple_stage::{RefuseExt, Refused, Usage};
 use rayon::prelude::*;
 
@@ -17,10 +17,6 @@ use crate::fleet::command::Batch;
 
 /// Bytes of a file that its reader is recognised by.
 const HEAD: u64 = 8192;
-
-/// Endings of files that are meant as records whatever is in them: one that is empty or damaged is a row of the fleet.
-const RECORDS: [&str; 14] =
-    ["csv", "tsv", "ev5", "mme", "tdms", "tdm", "lvm", "mcap", "bag", "zip", "xlsx", "mat", "uff", "unv"];
 
 /// Endings of text files that are records if they hold rows of numbers.
 const TABLES: [&str; 5] = ["txt", "dat", "asc", "prn", ""];
@@ -33,7 +29,7 @@ const ANY_TEXT: &str = "csv";
 pub(crate) enum Contents {
     /// A record of a format that is recognised.
     Record(&'static Reader),
-    /// A record by its ending.
+    /// A record by its ending: one that is empty or damaged is a row of the fleet.
     NamedRecord,
     /// No record.
     Other,
@@ -44,7 +40,7 @@ pub(crate) fn contents(path: &Path) -> io::Result<Contents> {
     let mut head = Vec::new();
     File::open(path)?.take(HEAD).read_to_end(&mut head)?;
     let ending = ending(path);
-    let by_name = if RECORDS.contains(&ending.as_str()) { Contents::NamedRecord } else { Contents::Other };
+    let by_name = if is_ending_of_a_record(&ending) { Contents::NamedRecord } else { Contents::Other };
     if head.trim_ascii().is_empty() {
         return Ok(by_name);
     }

@@ -63,11 +63,11 @@ pub struct Options {
     #[arg(long, conflicts_with = "output_channels")]
     pub output_channel: Option<String>,
     /// Waveforms that drive the system, separated by commas, of any quantity; "none": it moves freely (subspace
-    /// methods). Default: the crash pulse (deceleration).
+    /// methods). Default: the crash pulse (deceleration), or --channel.
     #[arg(long = "inputs", alias = "input-channels", value_delimiter = ',')]
     pub input_channels: Vec<String>,
     /// Waveforms it answers with, e.g. 93/velocity; "exponentials" takes the first. Default: displacement of the crash
-    /// pulse (era: the crash pulse).
+    /// pulse (era: the crash pulse); a --channel that is no acceleration itself, which then moves freely.
     #[arg(long = "outputs", alias = "output-channels", value_delimiter = ',')]
     pub output_channels: Vec<String>,
     /// Number of poles of a transfer function. Default: 4.

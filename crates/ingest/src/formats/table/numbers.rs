@@ -17,7 +17,7 @@ pub struct Rows {
     /// One vector a column: of one length, NaN in a gap; empty, where the column is left out.
     pub columns: Vec<Vec<f64>>,
     pub cells: Vec<Cells>,
-    /// Most significant digits printed in each column.
+    /// Most significant digits printed in each column; 0: its numbers are binary.
     pub digits: Vec<u32>,
     pub lines: LineNumbers,
     /// Lines before the first row and after the last that are left out.

@@ -8,6 +8,7 @@ use crate::formats::table::layout::Cells;
 use crate::formats::table::numbers::Rows;
 use crate::formats::text::column_names::{Unit, is_counter_name, is_time_name, names_acceleration};
 use crate::recording::details::Stated;
+use crate::recording::settings;
 use crate::recording::stated_contact::TimeZero;
 use crate::time::{CALENDAR_S, Grid, Kind, Timed, Times, median_step, over_midnight};
 use crate::{IngestError, IngestSettings, Place, Result, refuse};
@@ -169,10 +170,16 @@ pub fn find(
     let kind = match rows.cells[column] {
         Cells::Stamps(_) => Kind::Clock,
         Cells::Whole(first) => Kind::From(first),
-        Cells::Numbers | Cells::Words => Kind::Printed(rows.digits[column]),
+        Cells::Numbers | Cells::Words => match rows.digits[column] {
+            0 => Kind::Binary,
+            digits => Kind::Printed(digits),
+        },
     };
     if kind == Kind::Clock {
         over_midnight(&mut values);
+        if settings.time_unit.is_some() {
+            settings::warn("--time-unit", "the times are those of a clock", notes);
+        }
     }
     let place = |index: usize| Place::line(file, rows.lines.of_row(index)).in_column(title.clone());
     if let Some(k) = values.windows(2).position(|pair| pair[1] <= pair[0]) {
