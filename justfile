@@ -359,7 +359,6 @@ ci-full:
     CRUMPLE_FLEET_RECORDS=200 cargo nextest run --workspace -E 'package(crumple-testkit) & test(/^fleet::/)'
     CRUMPLE_SLURM_FOR="a fleet on Slurm" scripts/local-slurm.sh \
         cargo nextest run --workspace -E 'test(a_fleet_outlives_a_node_that_dies)' --run-ignored all
-    just instructions
     just papers
     just truth
     just book

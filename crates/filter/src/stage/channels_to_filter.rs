@@ -96,7 +96,9 @@ fn no_acceleration(test: &TestDescription) -> bool {
 /// A record of inputs and outputs: identified as it is.
 fn no_crash(test: &TestDescription) -> anyhow::Error {
     let ids: Vec<String> = test.channels.iter().map(|channel| channel.id.clone()).collect();
-    let (first, last) = (ids.first().map_or("COLUMN", String::as_str), ids.last().map_or("COLUMN", String::as_str));
+    // Of one channel nothing is an input.
+    let first = if ids.len() == 1 { "none" } else { ids.first().map_or("COLUMN", String::as_str) };
+    let last = ids.last().map_or("COLUMN", String::as_str);
     Refused::new(format!(
         "the record is no crash: no pulse is named and no channel is an acceleration \
         ({})",

@@ -57,7 +57,7 @@ pub fn unit_from_steps(
 /// What to add where the steps do not tell the unit: each unit with the rate that it gives, if that is one of a
 /// recorder, 1 Hz (a slow logger) to 4 MHz.
 fn units_by_rate(step: f64) -> String {
-    let rates = ["s", "ms", "us"].into_iter().filter_map(|symbol| {
+    let rates = ["s", "ms", "us", "ns"].into_iter().filter_map(|symbol| {
         let rate_hz = 1.0 / (step * factor(symbol, Dimension::Time)?);
         (1.0..=4e6).contains(&rate_hz).then(|| format!("--time-unit {symbol} (sampled at {})", in_hz(rate_hz)))
     });

@@ -102,22 +102,42 @@ fn rate(sampled: &Sampled) -> String {
     if rate < 1e3 { format!("{rate}Hz") } else { format!("{}kHz", rate / 1e3) }
 }
 
+/// Rows by which Polars and others tell the type of a column.
+const ROWS_OF_A_TYPE: f64 = 100.0;
+
 /// The waveforms as tables: those of the test at the rate of its first motion are called `waves`, those of models and
-/// predictions, which begin at contact or with the window, `simulated`, of other rates `waves-20kHz`. A row is an instant of any waveform;
-/// one that has no sample there has an empty cell.
+/// predictions `simulated`, of other rates `waves-20kHz`, those that begin 100 rows later and more `waves-from-0ms`. A
+/// row is an instant of any waveform; one that has no sample there has an empty cell.
 ///
 /// `decimate`: of so many rows those stay in which a waveform is lowest or highest among them, whole.
 pub(crate) fn wave_tables(waves: &[RunWave<'_>], decimate: Option<usize>) -> Vec<Table> {
     let is_of_motion = |wave: &&RunWave<'_>| wave.source == Source::Test && wave.quantity == QuantityKind::Displacement;
     let first = waves.iter().find(is_of_motion).or(waves.first()).map(|wave| rate(wave.sampled));
-    let mut groups: BTreeMap<(bool, bool, String), Vec<&RunWave<'_>>> = BTreeMap::new();
+    let mut rates: BTreeMap<(bool, bool, String), Vec<&RunWave<'_>>> = BTreeMap::new();
     for wave in waves {
         let own = rate(wave.sampled);
-        groups.entry((wave.source != Source::Test, Some(&own) != first.as_ref(), own)).or_default().push(wave);
+        rates.entry((wave.source != Source::Test, Some(&own) != first.as_ref(), own)).or_default().push(wave);
     }
-    let table = |((is_of_model, is_other, rate), waves): (&(bool, bool, String), &Vec<&RunWave<'_>>)| {
-        let name = if *is_of_model { "simulated" } else { "waves" };
-        let name = if *is_other { format!("{name}-{rate}") } else { name.to_owned() };
+    let mut groups: Vec<(String, Vec<&RunWave<'_>>)> = Vec::new();
+    for ((is_of_model, is_other, rate), waves) in rates {
+        let name = if is_of_model { "simulated" } else { "waves" };
+        let name = if is_other { format!("{name}-{rate}") } else { name.to_owned() };
+        // What begins late would have blanks in the rows by which readers tell the type of a column.
+        let begin_ns = waves.iter().map(|wave| wave.time_ns(0)).min().unwrap_or(0);
+        let room_ns = waves.iter().map(|wave| to_ns(ROWS_OF_A_TYPE * wave.sampled.dt_s())).min().unwrap_or(0);
+        let mut late: BTreeMap<i64, Vec<&RunWave<'_>>> = BTreeMap::new();
+        for wave in waves {
+            let own_ns = wave.time_ns(0);
+            late.entry(if own_ns - begin_ns < room_ns { begin_ns } else { own_ns }).or_default().push(wave);
+        }
+        let named = |(from_ns, waves)| {
+            let from = if from_ns == begin_ns { String::new() } else { format!("-from-{}ms", 1e-6 * from_ns as f64) };
+            (format!("{name}{from}"), waves)
+        };
+        groups.extend(late.into_iter().map(named));
+    }
+    let table = |(name, waves): &(String, Vec<&RunWave<'_>>)| {
+        let name = name.clone();
         let table = table_of(name, waves);
         decimate.map_or_else(|| table.clone(), |every| decimated(&table, every))
     };
@@ -196,6 +216,15 @@ mod tests {
         assert_eq!(rows[2], [Some(0.0), Some(3.0), Some(5.0)]);
         assert_eq!((rows.len(), &rows[4][1..]), (5, &[None, Some(7.0)][..]));
         assert_eq!(tables[0].columns[1].0, "a/displacement_m");
+    }
+
+    #[test]
+    fn what_begins_late_is_a_table_of_its_own() {
+        let early = Sampled::new(-0.05, 1e-4, vec![1.0; 1000]).unwrap();
+        let late = Sampled::new(0.0, 1e-4, vec![5.0; 500]).unwrap();
+        let tables = wave_tables(&[wave("a", &early), wave("b", &late)], None);
+        assert_eq!(tables.iter().map(|table| &*table.name).collect::<Vec<_>>(), ["waves", "waves-from-0ms"]);
+        assert_eq!(tables[1].rows[0], [Cell::Number(0.0), Cell::Number(5.0)]);
     }
 
     #[test]
