@@ -1,5 +1,5 @@
-//! Parquet files: each flat column of numbers or times is a column of a table. Names carry the units, as in CSV; a null is
-//! a blank cell.
+//! Parquet files: each flat column of numbers or times is a column of a table. Names carry the units, as in CSV; a null
+//! is a blank cell.
 //!
 //! The bytes are read by the crate `parquet`. What a file states of its size is held against the memory that is left
 //! before anything is read; what a page states, against the budget of the process.

@@ -15,7 +15,8 @@ fn sound(name: &str, flags: &str) -> Result<Ingested, IngestError> {
 fn check(ingested: &Ingested, id: &str) {
     let pulse = ingested.pulse().unwrap();
     assert_eq!((pulse.id.as_str(), pulse.samples.len(), pulse.samples.dt_s()), (id, 401, 5e-4));
-    assert!((pulse.samples.t0_s() + 0.06).abs() < 1e-9, "{}", pulse.samples.t0_s());
+    // Half a unit in the last place of single precision at 0.06 s.
+    assert!((pulse.samples.t0_s() + 0.06).abs() < 2e-9, "{}", pulse.samples.t0_s());
     let lowest = pulse.samples.samples().iter().fold(0.0_f64, |lowest, a| lowest.min(*a));
     // Single precision in one, four decimals in another.
     assert!((lowest / (-24.47 * G) - 1.0).abs() < 1e-5, "{lowest}");

@@ -249,7 +249,7 @@ fn a_limit_that_is_none_is_refused_when_the_pipeline_is_read() {
         ("\"*\" = { rel = nan }", "\"*\": NaN is no tolerance, expected a number from 0"),
         ("\"*\" = { rel = inf }", "\"*\": inf is no tolerance, expected a number from 0"),
         ("\"*\" = {}", "\"*\": no tolerance is given, expected abs, rel or ignore = true"),
-        ("\"*\" = 0.1", "\"*\": invalid type: floating point `0.1`, expected struct"),
+        ("\"*\" = 0.1", "\"*\": invalid type: floating point `0.1`, expected a table such as"),
         ("\"*\" = { relative = 0.1 }", "\"*\": unknown field `relative`"),
         ("\"/metric#*\" = { rel = 0.1 }", "\"/metric#*\": no stage writes a topic \"/metric\""),
     ] {
