@@ -4,8 +4,8 @@
 use crumple_metrics::{Beginning, CutRise, Onset, contact_edge, edr_start, onset, threshold_crossing};
 use crumple_signal::value::Time;
 use crumple_signal::{
-    About, Acceleration, Cfc, Class, Contact, Distribution, FilterSettings, HALF_OF_90_PERCENT, Notes,
-    STANDARD_GRAVITY_M_PER_S2, Sampled, Signal, Spread, Uncertain, Weight, ZeroLevel, filter,
+    About, Acceleration, Cfc, Class, Contact, Distribution, FilterSettings, Notes, STANDARD_GRAVITY_M_PER_S2, Sampled,
+    Signal, Spread, Uncertain, Weight, ZeroLevel, filter,
 };
 
 use crate::recording::content::Recording;
@@ -25,6 +25,8 @@ const LATE_S: f64 = 0.005;
 const EARLY_S: f64 = 0.001;
 /// The same in deviations of the onset: 0.1 % of contacts at t = 0.
 const EARLY_DEVIATIONS: f64 = 3.0;
+/// Deviations of a normal error that a 90 % interval reaches to, rounded as in the results that are accepted.
+const NINETY_PERCENT: f64 = 1.645;
 /// An interval that is to hold a second contact reaches this much further: its end lies inside, not on it.
 const HOLDS: f64 = 1.1;
 /// A pulse that begins so long after a time that somebody stated is asked about, s: 0.28 m at 50 km/h.
@@ -162,7 +164,7 @@ fn automatic(
             "the pulse begins {:.1} ms after time zero: contact may be as late, and the intervals hold it",
             1e3 * time_s
         ));
-        let size = (HOLDS * time_s / HALF_OF_90_PERCENT).hypot(deviation_of(stated));
+        let size = (HOLDS * time_s / NINETY_PERCENT).hypot(deviation_of(stated));
         let uncertainty_s = Some(Spread { size, distribution: Distribution::Normal });
         return Some(Contact { uncertainty_s, ..contact });
     }
@@ -177,7 +179,7 @@ fn automatic(
             "contact is taken at {:.1} ms of the file, where the pulse begins (+-{:.1} ms): nothing in the file states \
              it. A soft front may have touched up to {:.0} ms earlier. --time-zero {:.3}ms states it",
             1e3 * source_time_s,
-            1e3 * HALF_OF_90_PERCENT * deviation_s,
+            1e3 * NINETY_PERCENT * deviation_s,
             1e3 * SOFT_FRONT_S,
             1e3 * source_time_s,
         ),
