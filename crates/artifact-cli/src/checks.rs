@@ -3,8 +3,8 @@
 use crumple_artifact::records::{
     ArxScanV1, CandidateV1, ChannelFilterV1, ConcernsV1, ConcernsV2, DamageV1, DiagnosisV1, EventsV1, EvidenceV1,
     ExponentialSumV1, IdentificationV1, ImpactsV1, MatchingV1, MetricsV1, MetricsV2, ModesV1, ModesV2, NotesV1,
-    PredictionV1, QualityV1, RecommendationV1, RecordChecksV1, ResponseV1, SelectionV1, ShapesV1, SimulationV1,
-    StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1, VehiclesV1, WaveBlockV1,
+    PredictionV1, QualityV1, RecommendationV1, RecordChecksV1, RemarksV1, ResponseV1, SelectionV1, ShapesV1,
+    SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TransferFunctionV1, VehiclesV1, WaveBlockV1,
 };
 use crumple_artifact::{Artifact, JsonForm, RawRecord, Record};
 use crumple_signal::TestDescription;
@@ -47,7 +47,7 @@ impl Checked {
 }
 
 /// Topic, or its start where it ends in `/`, and what may stand there.
-const STATED: [(&str, &[&str]); 27] = [
+const STATED: [(&str, &[&str]); 28] = [
     ("/test", &[TestV1::SCHEMA]),
     ("/wave/", &[WaveBlockV1::SCHEMA]),
     ("/quality/", &[QualityV1::SCHEMA]),
@@ -72,6 +72,7 @@ const STATED: [(&str, &[&str]); 27] = [
     ("/vehicles", &[VehiclesV1::SCHEMA]),
     ("/recommendation", &[RecommendationV1::SCHEMA]),
     ("/prediction/", &[PredictionV1::SCHEMA]),
+    ("/remarks", &[RemarksV1::SCHEMA]),
     ("/notes", &[NotesV1::SCHEMA]),
     ("/concerns", &[ConcernsV1::SCHEMA, ConcernsV2::SCHEMA]),
     ("/diagnosis", &[DiagnosisV1::SCHEMA]),

@@ -2,9 +2,9 @@
 
 use std::io::{self, Write};
 
-use crumple_artifact::records::{ConcernV1, ConcernsV2, NotesV1, SeverityV1};
+use crumple_artifact::records::RemarkV1;
 use crumple_artifact::{Artifact, JsonForm, RawRecord, ReadError, Record, WAVE_PREFIX, Wave, records, topic_matches};
-use crumple_signal::{About, Note, Severity, Weight};
+use crumple_stage::{is_no_result, remarks_of};
 
 // An artifact as NDJSON.
 
@@ -59,72 +59,52 @@ fn message(artifact: &Artifact, topic: &str, problem: String) -> ReadError {
     ReadError::Message { path: artifact.path().to_owned(), topic: topic.to_owned(), problem }
 }
 
-// The notes of artifacts alone: warnings by weight, then what is good to know, each with its stage.
+// The remarks of artifacts alone: warnings by weight, then what is good to know, each with its stage.
 
-/// What stages remarked.
+/// What stages remarked, strongest first.
 #[derive(Debug, Default)]
-pub struct StageNotes {
-    /// What speaks against the results.
-    pub concerns: Vec<ConcernV1>,
-    /// What is good to know: stage and text.
-    pub infos: Vec<(String, String)>,
-}
+pub struct StageNotes(Vec<RemarkV1>);
 
 impl StageNotes {
-    /// Gathers the notes of artifacts, each once, warnings that change most first. A warning that no `/concerns` weighs
-    /// has the least weight.
+    /// Gathers the remarks of artifacts, each once, those that change most first: a stage that has nothing to work on
+    /// hands on what an earlier one said.
     pub fn of<'a>(artifacts: impl IntoIterator<Item = &'a Artifact>) -> Result<Self, ReadError> {
-        let mut all = Self::default();
+        let mut all: Vec<RemarkV1> = Vec::new();
         for artifact in artifacts {
-            let concerns = artifact.record::<ConcernsV2>("/concerns")?.map_or(Vec::new(), |record| record.concerns);
-            concerns.into_iter().for_each(|concern| all.add(concern));
-            let Some(NotesV1 { stage, notes }) = artifact.record("/notes")? else { continue };
-            for note in notes.iter().map(|text| Note::parse(text)) {
-                match note.severity {
-                    Severity::Warning if all.is_known(&stage, &note.text) => {}
-                    Severity::Warning => all.add(ConcernV1 {
-                        about: About::of_stage(&stage).to_string(),
-                        stage: stage.clone(),
-                        severity: SeverityV1::Warning,
-                        weight: Weight::Slight.number(),
-                        text: note.text,
-                        remedy: None,
-                    }),
-                    Severity::Info => all.infos.push((stage.clone(), note.text)),
+            for mut remark in remarks_of(artifact)? {
+                // What to do about the others is told by the code.
+                remark.remedy = remark.remedy.take().filter(|_| is_no_result(&remark));
+                if !all.contains(&remark) {
+                    all.push(remark);
                 }
             }
         }
         // The sort is stable: equals stay in the order of the stages.
-        all.concerns.sort_by_key(|concern| std::cmp::Reverse((concern.is_no_result(), concern.weight)));
-        Ok(all)
+        all.sort_by_key(|remark| std::cmp::Reverse((is_no_result(remark), remark.weight)));
+        Ok(Self(all))
     }
 
-    /// The same with the concerns of a run's `summary.json`, which weighs them by what it shows.
+    /// The same with the warnings of a run's `summary.json`, which weighs them by what it shows.
     #[must_use]
-    pub fn ranked_as(mut self, concerns: Vec<ConcernV1>) -> Self {
-        self.concerns = concerns;
+    pub fn ranked_as(mut self, concerns: Vec<RemarkV1>) -> Self {
+        self.0.retain(|remark| !remark.is_warning());
+        self.0.splice(0..0, concerns);
         self
-    }
-
-    fn is_known(&self, stage: &str, text: &str) -> bool {
-        self.concerns.iter().any(|concern| concern.stage == stage && concern.text == text)
-    }
-
-    fn add(&mut self, concern: ConcernV1) {
-        if !self.is_known(&concern.stage, &concern.text) {
-            self.concerns.push(concern);
-        }
     }
 
     /// A label (mark, weight, stage) and a text for each of them; what to do has no label.
     pub fn lines(&self) -> Vec<(String, String)> {
         let mut lines = Vec::new();
-        for ConcernV1 { stage, severity, weight, text, remedy, .. } in &self.concerns {
-            let mark = if *severity == SeverityV1::NoResult { "none" } else { "warning" };
-            lines.push((format!("{mark:<8}{weight:<3}{stage}"), text.clone()));
+        for remark in &self.0 {
+            let RemarkV1 { stage, weight, remedy, .. } = remark;
+            if !remark.is_warning() {
+                lines.push((format!("{:<11}{stage}", "note"), remark.with_code()));
+                continue;
+            }
+            let mark = if is_no_result(remark) { "none" } else { "warning" };
+            lines.push((format!("{mark:<8}{weight:<3}{stage}"), remark.with_code()));
             lines.extend(remedy.iter().map(|remedy| (String::new(), format!("what to do: {remedy}"))));
         }
-        lines.extend(self.infos.iter().map(|(stage, text)| (format!("{:<11}{stage}", "note"), text.clone())));
         lines
     }
 }

@@ -10,17 +10,19 @@ use crate::{
     assemble, check, parse_lines, plain_records, plain_waves, static_curves, text, write_json, write_text,
 };
 use anyhow::Context;
-use crumple_artifact::records::{ConcernV1, EventsV1};
+use crumple_artifact::records::{EventsV1, RemarkV1, ValueV1};
 use crumple_artifact::{
     Artifact, ArtifactBuilder, Compression, OutputKind, SCHEMAS, Wave, refuse_named_pipe, write_atomically,
 };
 use crumple_signal::value::Length;
-use crumple_stage::joints::{Contradiction, Invariant, contradictions, invariant, invariants};
+use crumple_signal::{Kind, Weight};
+use crumple_stage::joints::{contradictions, invariants};
 use crumple_stage::{
-    Call, ExitStatus, Pipeline, Program, Refused, Usage, artifacts_of_a_run, chain, columns, keep_budget, labelled,
-    load_artifacts, nearest, printable, program, refuse_a_mixture, refuse_to_overwrite, results_of_an_earlier_run,
-    run_tool, say, to_stdout, unknown_name, wrapped,
+    Call, ExitStatus, Pipeline, Program, Refused, Usage, artifacts_of_a_run, chain, columns, keep_budget, kinds,
+    labelled, load_artifacts, nearest, printable, program, refuse_a_mixture, refuse_to_overwrite, remarks_of,
+    results_of_an_earlier_run, run_tool, say, to_stdout, unknown_name, wrapped,
 };
+use serde::de::DeserializeOwned;
 
 /// Shows and checks artifacts (the *.mcap files of a run), unpacks them into plain files and packs plain files into an
 /// artifact; writes kits of stages in other languages.
@@ -93,8 +95,11 @@ enum Command {
     Explain {
         /// Code, and before it the folder of a run for what was found there: `crumple explain RUN CR203`. A run alone:
         /// all that it holds.
-        #[arg(required = true, num_args = 1..=2, value_name = "[RUN] [CODE]")]
+        #[arg(required_unless_present = "markdown", num_args = 1..=2, value_name = "[RUN] [CODE]")]
         words: Vec<PathBuf>,
+        /// As sections of a page of Markdown; without a code those of all.
+        #[arg(long)]
+        markdown: bool,
     },
     /// Writes an artifact as plain files: records.ndjson, waves.ndjson with a file of samples each (little-endian f64,
     /// or text), provenance.json.
@@ -174,7 +179,7 @@ fn run(args: Args, check_passport: Option<CheckPassport>) -> anyhow::Result<Exit
             check(&PassportCheck { passport, record, stages: stage })
         }
         Command::Check { files, .. } => check_files(&files),
-        Command::Explain { words } => explain(&words),
+        Command::Explain { words, markdown } => explain(&words, markdown),
         Command::Unpack { file, folder, text, force, quiet } => {
             let form = if text { SampleForm::Text } else { SampleForm::Bytes };
             unpack(&file, &folder, form, force, quiet)
@@ -215,7 +220,7 @@ fn notes(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
             if let Some(problem) = results_of_an_earlier_run(path) {
                 say(format_args!("note: {problem}"));
             }
-            ranked = concerns_of_a_run(path).filter(|_| paths.len() == 1);
+            ranked = in_summary(path, "concerns").filter(|_| paths.len() == 1);
         } else {
             files.push(path.clone());
         }
@@ -236,11 +241,11 @@ fn notes(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
     Ok(ExitStatus::Done)
 }
 
-/// The concerns of the summary of a run, if it has one.
-fn concerns_of_a_run(folder: &Path) -> Option<Vec<ConcernV1>> {
+/// A list of the summary of a run, if it has one.
+fn in_summary<T: DeserializeOwned>(folder: &Path, key: &str) -> Option<Vec<T>> {
     let text = fs::read_to_string(folder.join("summary.json")).ok()?;
     let mut summary: serde_json::Value = serde_json::from_str(&text).ok()?;
-    serde_json::from_value(summary.get_mut("concerns")?.take()).ok()
+    serde_json::from_value(summary.get_mut(key)?.take()).ok()
 }
 
 fn curve(path: &Path, candidate: Option<&str>, format: CurveFormat, to: Option<Length>) -> anyhow::Result<ExitStatus> {
@@ -367,7 +372,7 @@ fn missing_input(artifact: &Artifact, all: &[Artifact]) -> Option<String> {
 
 /// Prints what a code means: found, decided how, what it means, what to do; with a run what it found there. A run alone
 /// prints all that it holds.
-fn explain(words: &[PathBuf]) -> anyhow::Result<ExitStatus> {
+fn explain(words: &[PathBuf], markdown: bool) -> anyhow::Result<ExitStatus> {
     let (code, run) = match words {
         [only] if only.is_dir() => (None, Some(only)),
         [only] => (Some(only), None),
@@ -375,33 +380,32 @@ fn explain(words: &[PathBuf]) -> anyhow::Result<ExitStatus> {
         [] => (None, None),
     };
     let code = code.map(|code| code.to_string_lossy());
-    let is_asked = |found: &Contradiction| code.as_deref().is_none_or(|code| found.code.eq_ignore_ascii_case(code));
-    let mut here = Vec::new();
-    if let Some(run) = run {
-        let artifacts = artifacts_of_a_run(run)?.iter().map(|path| open(path)).collect::<Result<Vec<_>, _>>()?;
-        if let Some(fault) = faults_together(&artifacts, Some(run)).into_iter().next() {
-            let hint = format!("{} makes the run again", program("run"));
-            return Err(Refused::new(fault).expected("the artifacts of one run").hint(hint).into());
-        }
-        if let Some(earlier) = results_of_an_earlier_run(run) {
-            say(format_args!("note: {earlier}"));
-        }
-        here = contradictions(&artifacts, pipeline_of(run).as_ref()).into_iter().filter(is_asked).collect();
-    }
-    let rows: Vec<&Invariant> = match &code {
-        Some(code) => vec![invariant(code).ok_or_else(|| {
-            let codes: Vec<&str> = invariants().map(|row| row.code).collect();
+    let known = kinds();
+    let asked = match &code {
+        Some(code) => Some(*known.iter().find(|kind| kind.code.eq_ignore_ascii_case(code)).ok_or_else(|| {
+            let codes: Vec<&str> = known.iter().map(|kind| kind.code).collect();
             unknown_name(&format!("no remark has the code {code:?}"), code, &codes)
-        })?],
-        None => invariants().filter(|row| here.iter().any(|found| found.code == row.code)).collect(),
+        })?),
+        None => None,
+    };
+    if markdown {
+        let all: String =
+            known.iter().filter(|kind| asked.is_none_or(|asked| asked == **kind)).map(as_markdown).collect();
+        to_stdout(printable(&all).as_bytes())?;
+        return Ok(ExitStatus::Done);
+    }
+    let here = run.map_or(Ok(Vec::new()), |run| remarks_of_a_run(run))?;
+    let is_asked = |kind: &&&Kind| match asked {
+        Some(asked) => asked == **kind,
+        None => here.iter().any(|found| found.code == kind.code),
     };
     let mut paragraphs = Vec::new();
-    for row in rows {
-        let [found, decided, means, remedy] = row.explanation;
-        paragraphs.push(format!("{}: {found}", row.code));
-        let of_row = here.iter().filter(|found| found.code == row.code);
-        paragraphs.extend(of_row.map(|found| format!("Here: {} ({}).", found.text, found.stage)));
-        if let Some(run) = run.filter(|_| here.is_empty()) {
+    for kind in known.iter().filter(is_asked) {
+        let [_, decided, means, remedy] = kind.explanation;
+        paragraphs.push(format!("{}: {}", kind.code, kind.found()));
+        let of_kind: Vec<&RemarkV1> = here.iter().filter(|found| found.code == kind.code).collect();
+        paragraphs.extend(of_kind.iter().map(|found| in_this_run(found)));
+        if let Some(run) = run.filter(|_| of_kind.is_empty()) {
             paragraphs.push(format!("Here: nothing of that in {}.", run.display()));
         }
         paragraphs.push(format!("How it is decided. {decided}"));
@@ -409,11 +413,60 @@ fn explain(words: &[PathBuf]) -> anyhow::Result<ExitStatus> {
         paragraphs.push(format!("What to do: {remedy}."));
     }
     if let Some(run) = run.filter(|_| paragraphs.is_empty()) {
-        paragraphs.push(format!("No two statements of {} contradict each other.", run.display()));
+        paragraphs.push(format!("No stage remarks anything on {}.", run.display()));
     }
     let lines: Vec<String> = paragraphs.iter().map(|text| wrapped(text, columns()).join("\n") + "\n").collect();
     to_stdout(printable(&lines.join("\n")).as_bytes())?;
     Ok(ExitStatus::Done)
+}
+
+/// What every stage of a run remarks, what its artifacts contradict each other in, and what its report adds.
+fn remarks_of_a_run(run: &Path) -> anyhow::Result<Vec<RemarkV1>> {
+    let artifacts = artifacts_of_a_run(run)?.iter().map(|path| open(path)).collect::<Result<Vec<_>, _>>()?;
+    if let Some(fault) = faults_together(&artifacts, Some(run)).into_iter().next() {
+        let hint = format!("{} makes the run again", program("run"));
+        return Err(Refused::new(fault).expected("the artifacts of one run").hint(hint).into());
+    }
+    if let Some(earlier) = results_of_an_earlier_run(run) {
+        say(format_args!("note: {earlier}"));
+    }
+    let contradictions = contradictions(&artifacts, pipeline_of(run).as_ref());
+    let mut all: Vec<RemarkV1> = contradictions.iter().map(|found| found.remark(None)).collect();
+    for artifact in &artifacts {
+        all.extend(remarks_of(artifact).map_err(Refused::from)?);
+    }
+    all.extend(in_summary::<RemarkV1>(run, "remarks").unwrap_or_default().into_iter().filter(|r| r.stage == "report"));
+    Ok(all)
+}
+
+/// The sentence that a run has of a kind, with what it was made from.
+fn in_this_run(found: &RemarkV1) -> String {
+    let of_value = |(name, value): (&String, &ValueV1)| match value {
+        ValueV1::Number(number) => format!("{name} {number}"),
+        ValueV1::Text(text) => format!("{name} {text}"),
+    };
+    let values: Vec<String> = found.values.iter().map(of_value).collect();
+    let values = if values.is_empty() { String::new() } else { format!(" Values: {}.", values.join(", ")) };
+    format!("Here: {} ({}).{values}", found.text, found.stage)
+}
+
+/// A section of docs/remarks.md.
+fn as_markdown(kind: &&Kind) -> String {
+    let [_, decided, means, remedy] = kind.explanation;
+    let how = match kind.weight {
+        _ if invariants().any(|row| row.ends_the_run && row.kind.code == kind.code) => "refused, exit code 3",
+        Weight::None => "good to know",
+        Weight::Slight => "a warning, weight 1",
+        Weight::Marked => "a warning, weight 2",
+        Weight::Decisive => "a warning, weight 3",
+    };
+    let paragraphs = [
+        format!("{} *{how}*", kind.found()),
+        format!("Decided: {decided}"),
+        format!("Means: {means}"),
+        format!("Do: {remedy}."),
+    ];
+    format!("## {}\n{}\n\n", kind.code, paragraphs.map(|text| wrapped(&text, 120).join("\n")).join("\n\n"))
 }
 
 fn unpack(path: &Path, target: &Path, form: SampleForm, force: bool, quiet: bool) -> anyhow::Result<ExitStatus> {

@@ -81,8 +81,7 @@ const ARTIFACT: Program = crumple_artifact_cli::PROGRAM;
 const FIRST: [(&str, &str); 2] = [("help", "--help"), ("completions", "--generate")];
 
 fn main() -> ExitCode {
-    #[cfg(feature = "run")]
-    crumple_run::hold(&STAGES);
+    crumple_stage::hold(&STAGES);
     let call = Call::of_process();
     let link = call.program.strip_prefix("crumple-").unwrap_or_default();
     let of_artifact = OF_ARTIFACT.iter().filter(|name| **name == link).map(OsString::from);

@@ -23,9 +23,9 @@ pub use compare::why::{Divided, DividedNumber};
 pub use crumple_diff::CompareSettings;
 pub use figures::all::all_figures;
 pub use findings::{
-    CandidateResult, CandidateSummary, Conclusion, Element, IdentifiabilityCounts, JointTests, Kind, LeftOut,
+    CandidateResult, CandidateSummary, Concern, Conclusion, Element, IdentifiabilityCounts, JointTests, Kind, LeftOut,
     MeasuredWaves, MetricSummary, Model, ModelOutput, Number, OF_SEVERAL_TESTS, OtherMetricSummary, OverviewLine,
-    Ranking, ResultStatus, Run, SensorMotion, StageNote, StageRecord, Status, StatusReason, Summary, TestOfJointModel,
+    Ranking, ResultStatus, Run, SensorMotion, StageRecord, Status, StatusReason, Summary, TestOfJointModel,
     TestSummary, compare_ids, conclusion, model_year, overview, summary, summary_schema,
 };
 pub use index::pulse_line;

@@ -199,23 +199,15 @@ fn named(stage: &str, first: &str, flags: &[String]) -> Named {
     }
 }
 
-/// The stages that this process holds itself.
-static HELD: OnceLock<&[crumple_stage::Program]> = OnceLock::new();
-
-/// From now on these stages run in this process, and this program stands for all others of the project too: it takes
-/// their name as its first word.
-pub fn hold(stages: &'static [crumple_stage::Program]) {
-    HELD.get_or_init(|| stages);
-}
-
 /// A stage that runs in this process.
 pub(crate) fn held(stage: &str) -> Option<&'static crumple_stage::Program> {
-    HELD.get()?.iter().find(|program| program.name == stage)
+    crumple_stage::held().iter().find(|program| program.name == stage)
 }
 
-/// Whether this program holds the stages.
+/// Whether this program holds the stages: it then stands for all others of the project too, and takes their name as its
+/// first word.
 pub(crate) fn is_one_program() -> bool {
-    HELD.get().is_some()
+    !crumple_stage::held().is_empty()
 }
 
 /// A program of the project: beside this one, unless this one stands for it.

@@ -5,9 +5,9 @@ use serde::Serialize;
 use crate::butterworth::sections_extension;
 use crate::zero_phase::Report;
 use crate::{
-    About, Butterworth, Cfc, CfcMode, Class, Coefficients, Design, FilterError, Notes, Phase, PreEventWindow,
-    STANDARD_GRAVITY_M_PER_S2, Sampled, Weight, corridor, filter_both_ways_into, pre_event_within, run_sections,
-    samples_added,
+    About, Butterworth, Cfc, CfcMode, Class, Coefficients, CorridorPoint, Design, FilterError, Notes, Phase,
+    PreEventWindow, STANDARD_GRAVITY_M_PER_S2, Sampled, Weight, corridor, filter_both_ways_into, pre_event_within,
+    remarks, run_sections, samples_added,
 };
 
 /// What is done about the zero level of a channel.
@@ -159,11 +159,7 @@ pub fn filter_reporting(
     if let Some(asked) = settings.butterworth {
         let design = asked.design(samples.dt_s())?;
         if asked.phase == Phase::Causal {
-            notes.concern(
-                About::Motion,
-                Weight::Marked,
-                "the filter is causal: events come late, times and crush are not those of the vehicle",
-            );
+            notes.push(Causal {});
         }
         let filtered = results(run_sections(samples.samples(), zero_level_removed, &design))?;
         report(2 * samples.len() as u64);
@@ -174,7 +170,7 @@ pub fn filter_reporting(
 
     let cfc = match (settings.class, already_cfc) {
         (Class::Cfc(cfc), Some(already)) if already <= cfc.number() => {
-            notes.info(format!("already CFC {already}, passed through unfiltered"));
+            notes.push(AlreadyFiltered { class: already });
             None
         }
         (Class::Cfc(cfc), _) => Some(cfc),
@@ -192,18 +188,89 @@ pub fn filter_reporting(
     let coefficients = Coefficients::new(cfc, settings.mode, samples.dt_s());
     note_low_rate(samples, cfc, &coefficients, &mut notes);
     for point in corridor(cfc, &coefficients).iter().filter(|point| !point.is_inside()) {
-        notes.warning(format!(
-            "response {:.2} dB at {:.1} Hz is outside the limits of CFC {cfc} ({} to {:+.1} dB)",
-            point.gain_db,
-            point.frequency_hz,
-            point.lower_db.map_or_else(|| "none".to_owned(), |lower| format!("{lower:+.1}")),
-            point.upper_db
-        ));
+        let CorridorPoint { gain_db, frequency_hz, lower_db, upper_db } = *point;
+        notes.push(OutsideCorridor { class: cfc.number(), gain_db, frequency_hz, lower_db, upper_db });
     }
     let mut output = Vec::new();
     filter_both_ways_into(samples.samples(), zero_level_removed, &coefficients, &mut output, report)?;
     let applied = Applied::Class { cfc, coefficients, samples_added: samples_added(samples.len(), &coefficients) };
     Ok(Filtered { samples: results(output)?, applied: Some(applied), zero_level_removed, notes })
+}
+
+remarks! {
+    /// Remarks of filters.
+    pub REMARKS;
+
+    /// The filter runs one way, so that events come late.
+    CR210 Causal {}
+    bears on (About::Motion, Weight::Marked)
+    decided "The pipeline asks for it (filter.phase). ISO 6487 and SAE J211-1 filter forward and backward."
+    means "Times and crush are not those of the vehicle: every event is late by the delay of the filter."
+    remedy "leave filter.phase out, unless an on-line filter is to be imitated"
+    says "the filter is causal: events come late, times and crush are not those of the vehicle";
+
+    /// The channel was filtered to this class, or a lower one, before it was recorded.
+    CR211 AlreadyFiltered { class: u16 }
+    bears on (About::Pulse, Weight::None)
+    decided "The file states the class of the channel (ISO 13499, NHTSA)."
+    means "Filtering it again would lower its peaks. It passes through as it is."
+    remedy "nothing; --cfc with a lower class filters further"
+    says format!("already CFC {class}, passed through unfiltered");
+
+    /// The response of the filter leaves the corridor of its class.
+    CR212 OutsideCorridor {
+        class: u16, gain_db: f64, frequency_hz: f64, lower_db: Option<f64>, upper_db: f64
+    }
+    bears on (About::Pulse, Weight::Slight)
+    decided "The gain of both passes at the sampling rate is compared with the limits of SAE J211-1."
+    means "Peaks differ from those of another laboratory by as much as the gain does."
+    remedy "record faster, or take the coefficients of the standard: filter.mode"
+    says {
+        let lower = lower_db.map_or_else(|| "none".to_owned(), |lower| format!("{lower:+.1}"));
+        format!(
+            "response {gain_db:.2} dB at {frequency_hz:.1} Hz is outside the limits of CFC {class} ({lower} to \
+             {upper_db:+.1} dB)"
+        )
+    };
+
+    /// The vehicle falls or brakes before contact, and zero is the level at rest.
+    CR213 LevelAtRest { level_g: f64 }
+    bears on (About::Pulse, Weight::None)
+    decided "Ingest found an acceleration before contact that is one of gravity or of braking, and a level before it."
+    means "The mean before contact would be taken for an error of the sensor, and the crush would be wrong by it."
+    remedy "nothing; --zero-level none keeps all of it"
+    says format!("it falls or brakes before contact: zero is the level at rest, {level_g:+.2} g");
+
+    /// The first samples are exactly zero: the recorder was muted.
+    CR214 Muted { samples: usize }
+    bears on (About::Pulse, Weight::None)
+    decided "A sensor has noise: a run of samples that are exactly 0 at the beginning was not measured."
+    means "These samples are not counted in the zero level."
+    remedy "nothing"
+    says format!("the first {samples} samples are exactly 0, the recorder was muted: not counted in the zero level");
+
+    /// The zero level was not removed, since too little was recorded before contact.
+    CR215 ZeroLevelKept { from_s: f64, to_s: f64 }
+    bears on (About::Pulse, Weight::Slight)
+    decided "Less than 10 ms of samples lie in the window before contact: a mean of fewer is noise of the sensor."
+    means "An offset of the sensor stays in: 0.1 g change the velocity by 0.1 m/s and the crush by 5 mm in 100 ms."
+    remedy "state a window that holds samples at rest (filter.zero_level), or take an earlier trigger"
+    says format!(
+        "zero level not removed: less than 10 ms of data between {:.1} ms and {:.1} ms",
+        1e3 * from_s,
+        1e3 * to_s
+    );
+
+    /// The sampling rate is low for the class, so that the filter is not quite that of the class.
+    CR216 LowRate { rate_hz: f64, ratio: f64, class: u16, half_power_hz: f64, of_fast_sampling_hz: f64 }
+    bears on (About::Pulse, Weight::None)
+    decided "Below twenty times the class the -3 dB point moves by more than 1.3 %; SAE J211-1 asks for ten times."
+    means "The filter lets a little more through than that of the same signal sampled faster."
+    remedy "record at twenty times the class, or ask for a lower class"
+    says format!(
+        "the sampling rate {rate_hz:.0} Hz is only {ratio:.1} times CFC {class}: the -3 dB point is at \
+         {half_power_hz:.1} Hz instead of {of_fast_sampling_hz:.1} Hz"
+    );
 }
 
 /// The level to subtract, unit of the samples. 0 with a warning where the record covers less than 10 ms of the window,
@@ -212,10 +279,7 @@ fn zero_level(samples: &Sampled, rule: ZeroLevel, notes: &mut Notes) -> Result<f
     let window = match rule {
         ZeroLevel::None => return Ok(0.0),
         ZeroLevel::AtRest(rest_level) => {
-            notes.info(format!(
-                "it falls or brakes before contact: zero is the level at rest, {:+.2} g",
-                rest_level / STANDARD_GRAVITY_M_PER_S2
-            ));
+            notes.push(LevelAtRest { level_g: rest_level / STANDARD_GRAVITY_M_PER_S2 });
             return Ok(rest_level);
         }
         ZeroLevel::PreEvent(PreEventWindow { from_s, to_s }) if to_s < from_s => {
@@ -226,19 +290,12 @@ fn zero_level(samples: &Sampled, rule: ZeroLevel, notes: &mut Notes) -> Result<f
     match pre_event_within(samples, window) {
         Some(pre_event) => {
             if pre_event.muted > 0 {
-                notes.info(format!(
-                    "the first {} samples are exactly 0, the recorder was muted: not counted in the zero level",
-                    pre_event.muted
-                ));
+                notes.push(Muted { samples: pre_event.muted });
             }
             Ok(pre_event.zero_level)
         }
         None => {
-            notes.warning(format!(
-                "zero level not removed: less than 10 ms of data between {:.1} ms and {:.1} ms",
-                1e3 * window.from_s,
-                1e3 * window.to_s
-            ));
+            notes.push(ZeroLevelKept { from_s: window.from_s, to_s: window.to_s });
             Ok(0.0)
         }
     }
@@ -259,13 +316,13 @@ fn check_rate(samples: &Sampled, cfc: Cfc) -> Result<(), FilterError> {
 fn note_low_rate(samples: &Sampled, cfc: Cfc, coefficients: &Coefficients, notes: &mut Notes) {
     let ratio = samples.rate_hz() / cfc.frequency_hz();
     if ratio < 20.0 * (1.0 - 1e-9) {
-        notes.info(format!(
-            "the sampling rate {:.0} Hz is only {ratio:.1} times CFC {cfc}: the -3 dB point is at {:.1} Hz instead of \
-             {:.1} Hz",
-            samples.rate_hz(),
-            coefficients.half_power_frequency_hz(),
-            cfc.frequency_hz() / 0.6,
-        ));
+        notes.push(LowRate {
+            rate_hz: samples.rate_hz(),
+            ratio,
+            class: cfc.number(),
+            half_power_hz: coefficients.half_power_frequency_hz(),
+            of_fast_sampling_hz: cfc.frequency_hz() / 0.6,
+        });
     }
 }
 

@@ -49,6 +49,7 @@ mod measurement;
 mod motion;
 mod moving_start;
 mod notes;
+mod remarks;
 mod resampling;
 mod samples;
 mod summation;
@@ -71,7 +72,7 @@ pub use description::{
     criterion_of, is_mass_of_a_vehicle, is_pattern, part_of, resolve_channels,
 };
 pub use error::{FilterError, IntegrateError};
-pub use filter::{Applied, FilterSettings, Filtered, ZeroLevel, filter, filter_reporting};
+pub use filter::{Applied, FilterSettings, Filtered, REMARKS as FILTER_REMARKS, ZeroLevel, filter, filter_reporting};
 pub use measurement::{ABREAST, BeforeEvent, Measurement};
 pub use motion::{
     Drift, DriftShape, EndCondition, IntegrationSettings, IntegrationStart, KnownEnd, LateRecord, Motion, UsedStart,
@@ -79,11 +80,12 @@ pub use motion::{
 };
 pub use moving_start::{Moving, MovingStart, is_gravity, moves_before_contact, moving_start};
 pub use notes::{About, ConcernContext, Note, Notes, Severity, UnknownAbout, Weight};
+pub use remarks::{Kind, Stated, Value};
 pub use resampling::{Interpolation, Resampling, keep_every, kept, resample};
 pub use samples::{PreEvent, PreEventWindow, Sampled, Signal, SignalError, coarse_step, pre_event, pre_event_within};
 pub use summation::{
-    IntegrationRule, acceleration_of_velocity_change, derivative_note, integrate_twice, integrate_twice_into,
-    printed_step_m_per_s,
+    IntegrationRule, REMARKS as DERIVATIVE_REMARKS, acceleration_of_velocity_change, derivative_note, integrate_twice,
+    integrate_twice_into, printed_step_m_per_s,
 };
 pub use units::gravity::STANDARD_GRAVITY_M_PER_S2;
 pub use units::quantity::{Acceleration, Displacement, Force, Quantity, QuantityKind, Velocity};

@@ -1,7 +1,9 @@
-//! Remarks of a computation, each with a severity.
+//! Remarks of a computation: what each concerns, how much it changes there, and the list of them.
 
 use std::fmt;
 use std::str::FromStr;
+
+use crate::remarks::{Kind, Value};
 
 // What a note concerns, and how much it changes there.
 
@@ -108,6 +110,8 @@ impl FromStr for About {
 /// What becomes of what is shown, if the note is true.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Weight {
+    /// Nothing: it is good to know.
+    None = 0,
     /// It stays within what its interval says, or a part of little interest changes.
     Slight = 1,
     /// Numbers may be off by more than their intervals say.
@@ -117,15 +121,16 @@ pub enum Weight {
 }
 
 impl Weight {
-    /// 1 to 3, as records have it.
+    /// 0 to 3, as records have it.
     pub const fn number(self) -> u8 {
         self as u8
     }
 
-    /// The weight of a number; what is beyond 3 is decisive, 0 slight.
+    /// The weight of a number; what is beyond 3 is decisive.
     pub const fn of_number(number: u8) -> Self {
         match number {
-            0 | 1 => Self::Slight,
+            0 => Self::None,
+            1 => Self::Slight,
             2 => Self::Marked,
             _ => Self::Decisive,
         }
@@ -157,7 +162,7 @@ pub enum Severity {
 
 /// A remark in plain words. Its text form, which [`Note::parse`] reads back, starts with `warning: ` if it is a
 /// warning: nothing else in the code writes or reads that prefix.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Note {
     /// How much it matters.
     pub severity: Severity,
@@ -165,6 +170,10 @@ pub struct Note {
     pub text: String,
     /// What it concerns and how much it changes there; `None`: what the stage concerns, with the least weight.
     pub bearing: Option<ConcernContext>,
+    /// Its code and its explanation; `None`: a sentence of another program.
+    pub kind: Option<&'static Kind>,
+    /// What the sentence is made from, names with units.
+    pub values: Vec<(&'static str, Value)>,
 }
 
 impl fmt::Display for Note {
@@ -179,18 +188,26 @@ impl fmt::Display for Note {
 impl Note {
     /// Something good to know.
     pub fn info(text: impl Into<String>) -> Self {
-        Self { severity: Severity::Info, text: text.into(), bearing: None }
+        Self { severity: Severity::Info, text: text.into(), bearing: None, kind: None, values: Vec::new() }
     }
 
     /// Something that may change a conclusion.
     pub fn warning(text: impl Into<String>) -> Self {
-        Self { severity: Severity::Warning, text: text.into(), bearing: None }
+        Self { severity: Severity::Warning, ..Self::info(text) }
     }
 
     /// The same, with what it concerns and how much it changes there.
     #[must_use]
     pub fn bears_on(mut self, about: About, weight: Weight) -> Self {
+        self.severity = if weight == Weight::None { Severity::Info } else { Severity::Warning };
         self.bearing = Some(ConcernContext { about, weight });
+        self
+    }
+
+    /// The same sentence with others in front of it and behind it.
+    #[must_use]
+    pub fn within(mut self, front: &str, behind: &str) -> Self {
+        self.text = format!("{front}{}{behind}", self.text);
         self
     }
 
@@ -204,7 +221,7 @@ impl Note {
 }
 
 /// The notes of one computation, in the order they were made.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Notes(Vec<Note>);
 
 impl Notes {
@@ -237,14 +254,19 @@ impl Notes {
         self
     }
 
-    /// Puts a warning before all other notes: what the rest rests on is in doubt.
-    pub fn concern_first(&mut self, about: About, text: impl Into<String>) {
-        self.0.insert(0, Note::warning(text).bears_on(about, Weight::Decisive));
+    /// Puts a remark before all others: what the rest rests on is in doubt.
+    pub fn push_first(&mut self, remark: impl Into<Note>) {
+        self.0.insert(0, remark.into());
     }
 
-    /// Adds a note as it is.
-    pub fn push(&mut self, note: Note) {
-        self.0.push(note);
+    /// Puts a warning before all other notes: what the rest rests on is in doubt.
+    pub fn concern_first(&mut self, about: About, text: impl Into<String>) {
+        self.push_first(Note::warning(text).bears_on(about, Weight::Decisive));
+    }
+
+    /// Adds a remark.
+    pub fn push(&mut self, remark: impl Into<Note>) {
+        self.0.push(remark.into());
     }
 
     /// The notes in order.
@@ -284,7 +306,7 @@ mod tests {
             assert_eq!(about.to_string().parse(), Ok(about));
         }
         assert!("elsewhere".parse::<About>().is_err());
-        for weight in [Weight::Slight, Weight::Marked, Weight::Decisive] {
+        for weight in [Weight::None, Weight::Slight, Weight::Marked, Weight::Decisive] {
             assert_eq!(Weight::of_number(weight.number()), weight);
         }
     }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Notes, STANDARD_GRAVITY_M_PER_S2, Sampled, SignalError};
+use crate::{About, Notes, STANDARD_GRAVITY_M_PER_S2, Sampled, SignalError, Weight, remarks};
 
 /// How samples are summed.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
@@ -253,20 +253,43 @@ pub fn derivative_note(change: &Sampled, of: &str, notes: &mut Notes) {
     let values = change.samples();
     let is_constant = values.windows(2).all(|pair| pair[0] == pair[1]);
     let step = printed_step_m_per_s(values).filter(|_| !is_constant).or_else(|| smallest_difference(values));
-    let step = step.map_or_else(String::new, |step| {
-        format!(
-            "; its values come in steps of {step:.3} m/s, so that a sample may be {:.2} g wrong by rounding alone",
-            step / (2.0 * dt_s) / STANDARD_GRAVITY_M_PER_S2
-        )
+    notes.push(DerivedFromChange {
+        channel: of.to_owned(),
+        over_s: 2.0 * dt_s,
+        step_m_per_s: step,
+        rounding_g: step.map(|step| step / (2.0 * dt_s) / STANDARD_GRAVITY_M_PER_S2),
+        rate_hz: change.rate_hz(),
+        hidden_s: 4.0 * dt_s,
     });
-    notes.warning(format!(
-        "derived from the velocity change of channel {of} by central differences over {:.1} ms, not measured{step}; \
-         {:.0} samples a second, and the filter of the recorder is not known: no class is applied, peaks, force and \
-         what happens within {:.0} ms cannot be taken from it",
-        2e3 * dt_s,
-        change.rate_hz(),
-        4e3 * dt_s
-    ));
+}
+
+remarks! {
+    /// Remarks of accelerations that were derived.
+    pub REMARKS;
+
+    /// The acceleration was derived from the change of velocity that a recorder kept.
+    CR217 DerivedFromChange {
+        channel: String, over_s: f64, step_m_per_s: Option<f64>, rounding_g: Option<f64>, rate_hz: f64, hidden_s: f64
+    }
+    bears on (About::Pulse, Weight::Slight)
+    decided "The pulse is a change of velocity. A printed step s leaves each difference wrong by up to s/(2 dt)."
+    means "The change of velocity holds. Peaks and forces do not, nor what lasts shorter than four samples."
+    remedy "use delta-v; for peaks an accelerometer record is needed"
+    says {
+        let step = step_m_per_s.zip(*rounding_g).map_or_else(String::new, |(step, rounding_g)| {
+            format!(
+                "; its values come in steps of {step:.3} m/s, so that a sample may be {rounding_g:.2} g wrong by \
+                 rounding alone"
+            )
+        });
+        format!(
+            "derived from the velocity change of channel {channel} by central differences over {:.1} ms, not \
+             measured{step}; {rate_hz:.0} samples a second, and the filter of the recorder is not known: no class is \
+             applied, peaks, force and what happens within {:.0} ms cannot be taken from it",
+            1e3 * over_s,
+            1e3 * hidden_s
+        )
+    };
 }
 
 #[cfg(test)]

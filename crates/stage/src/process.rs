@@ -9,14 +9,15 @@ use anyhow::Context;
 use clap::builder::PossibleValuesParser;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, Command, CommandFactory, FromArgMatches};
-use crumple_artifact::records::{ConcernV1, ConcernsV2, DiagnosisV1, NotesV1, SeverityV1};
+use crumple_artifact::records::{DiagnosisV1, NotesV1, RemarkV1, RemarksV1};
 use crumple_artifact::{Artifact, InputDigest, OutputKind, Provenance, WriteError};
-use crumple_signal::{About, ConcernContext, Note, Severity, Weight};
+use crumple_signal::{About, ConcernContext, Kind, Note};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::artifacts::inputs::{Loaded, open};
 use crate::artifacts::output::{Output, refuse_to_overwrite};
+use crate::artifacts::remarks::{as_concerns, in_order, is_no_result, no_result, remarks_of};
 use crate::command_line::args;
 use crate::command_line::args::{Cli, SharedFlags, keep_budget};
 use crate::command_line::left_out::{self, LeftOut};
@@ -69,6 +70,9 @@ pub trait Stage {
     type Settings: Serialize;
     /// What the stage works on.
     type Input;
+
+    /// The kinds of its remarks, by the modules that raise them.
+    const REMARKS: &'static [&'static [&'static Kind]] = &[];
 
     /// Options and values that earlier versions had.
     const LEFT_OUT: &'static [LeftOut] = &[];
@@ -125,17 +129,19 @@ pub struct Program {
     pub command: fn() -> Command,
     /// Does what a call asks for.
     pub run: fn(&Call) -> ExitStatus,
+    /// The kinds of its remarks, by the modules that raise them.
+    pub remarks: &'static [&'static [&'static Kind]],
 }
 
 impl Program {
     /// That of a stage.
     pub const fn of_stage<S: Stage>() -> Self {
-        Self { name: S::NAME, command: stage_command::<S>, run: run_stage::<S> }
+        Self { name: S::NAME, command: stage_command::<S>, run: run_stage::<S>, remarks: S::REMARKS }
     }
 
     /// That of any other: `run` is [`run_tool`] with what it does.
     pub const fn of_tool<C: CommandFactory>(name: &'static str, run: fn(&Call) -> ExitStatus) -> Self {
-        Self { name, command: C::command, run }
+        Self { name, command: C::command, run, remarks: &[] }
     }
 
     /// The `main` of the program by itself.
@@ -201,7 +207,7 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
             // An earlier stage has said why there is nothing to work on: so this one has no acceptable result either.
             Some(reason) => {
                 out = Output::new();
-                of_earlier_stages.extend(diagnosed.concerns().cloned());
+                of_earlier_stages.extend(diagnosed.without_result.iter().cloned());
                 if let Some(test) = diagnosed.test.as_deref() {
                     out.put("/test", test)?;
                 }
@@ -220,22 +226,26 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
         Outcome::NoAcceptableResult(reason) => Some((reason.clone(), false)),
         Outcome::Done => out.without.clone().map(|reason| (reason, true)),
     };
-    let mut concerns: Vec<ConcernV1> = out.notes.iter().filter_map(|note| concern(S::NAME, note)).collect();
+    let mut remarks = in_order(S::NAME, &out.notes);
     if let Some((reason, has_result)) = diagnosis {
         if of_earlier_stages.is_empty() {
-            concerns.push(no_result(S::NAME, &reason, out.remedy.take()));
+            remarks.insert(0, no_result(S::NAME, &reason, out.remedy.take()));
         } else {
-            concerns.append(&mut of_earlier_stages);
+            remarks.splice(0..0, of_earlier_stages);
         }
         out.put("/diagnosis", &DiagnosisV1 { stage: S::NAME.to_owned(), reason, has_result })?;
     }
-    let remedy = remedy_of(&concerns).map(str::to_owned);
-    if !concerns.is_empty() {
-        out.put("/concerns", &ConcernsV2 { concerns })?;
+    let remedy = remedy_of(&remarks).map(str::to_owned);
+    let of_before = as_concerns(&remarks);
+    if !of_before.concerns.is_empty() {
+        out.put("/concerns", &of_before)?;
     }
     if !out.notes.is_empty() {
         let notes = out.notes.to_texts();
         out.put("/notes", &NotesV1 { stage: S::NAME.to_owned(), notes })?;
+    }
+    if !remarks.is_empty() {
+        out.put("/remarks", &RemarksV1 { remarks: remarks.clone() })?;
     }
     let mut progress = out.progress("writing", out.builder.samples());
     out.builder
@@ -252,8 +262,8 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
             say(format_args!("{:<16} hint: {remedy}", S::NAME));
         }
         // Of a warning that stands among the lines of what it is about there is no second.
-        let is_new = |note: &&Note| !out.summary.contains(&note.to_string());
-        print_notes(S::NAME, out.notes.iter().filter(is_new).cloned(), &common.output);
+        remarks.retain(|remark| remark.stage == S::NAME && !out.summary.contains(&format!("warning: {}", remark.text)));
+        print_remarks(S::NAME, &remarks, &common.output);
     }
     if common.json {
         print_records(out.builder.records())?;
@@ -314,17 +324,15 @@ fn read<S: Stage>(
 fn tell_again(stage: &str, common: &SharedFlags, sums_up: bool, existing: &Artifact) -> anyhow::Result<ExitStatus> {
     if sums_up {
         say(format_args!("{stage:<16} up to date: {}", common.output.display()));
-        let notes = existing.record::<NotesV1>("/notes").ok().flatten().map_or(Vec::new(), |record| record.notes);
-        print_notes(stage, notes.iter().map(|text| Note::parse(text)), &common.output);
+        print_remarks(stage, &remarks_of(existing).unwrap_or_default(), &common.output);
     }
     if common.json {
         print_records(existing.records().iter().map(|r| (r.topic.as_str(), r.schema.as_str(), r.payload.as_slice())))?;
     }
     Ok(match existing.record::<DiagnosisV1>("/diagnosis").ok().flatten() {
         Some(diagnosis) if !diagnosis.has_result => {
-            let concerns =
-                existing.record::<ConcernsV2>("/concerns").ok().flatten().map_or(Vec::new(), |record| record.concerns);
-            no_acceptable_result(common, stage, &diagnosis.reason, remedy_of(&concerns))
+            let remarks = remarks_of(existing).unwrap_or_default();
+            no_acceptable_result(common, stage, &diagnosis.reason, remedy_of(&remarks))
         }
         _ => ExitStatus::Done,
     })
@@ -333,34 +341,6 @@ fn tell_again(stage: &str, common: &SharedFlags, sums_up: bool, existing: &Artif
 /// Whether a result is no number of a crash: a stage that read finite numbers computed it of others that are too large.
 fn is_impossible(error: &anyhow::Error) -> bool {
     matches!(find_in_chain::<WriteError>(error), Some(WriteError::Impossible { .. }))
-}
-
-/// A warning with what it concerns; of one that does not say it, what the stage makes.
-fn concern(stage: &str, note: &Note) -> Option<ConcernV1> {
-    if note.severity != Severity::Warning {
-        return None;
-    }
-    let of_stage = || ConcernContext { about: About::of_stage(stage), weight: Weight::Slight };
-    let ConcernContext { about, weight } = note.bearing.clone().unwrap_or_else(of_stage);
-    Some(ConcernV1 {
-        stage: stage.to_owned(),
-        severity: SeverityV1::Warning,
-        about: about.to_string(),
-        weight: weight.number(),
-        text: note.text.clone(),
-        remedy: None,
-    })
-}
-
-fn no_result(stage: &str, reason: &str, remedy: Option<String>) -> ConcernV1 {
-    ConcernV1 {
-        stage: stage.to_owned(),
-        severity: SeverityV1::NoResult,
-        about: About::of_stage(stage).to_string(),
-        weight: Weight::Decisive.number(),
-        text: reason.to_owned(),
-        remedy,
-    }
 }
 
 /// Adds the inputs' names to an error that does not name any of them.
@@ -375,8 +355,8 @@ fn name_the_inputs(error: anyhow::Error, inputs: &[PathBuf]) -> anyhow::Error {
 }
 
 /// What to do for a result, where there is none.
-fn remedy_of(concerns: &[ConcernV1]) -> Option<&str> {
-    concerns.iter().filter(|c| c.is_no_result()).find_map(|c| c.remedy.as_deref())
+fn remedy_of(remarks: &[RemarkV1]) -> Option<&str> {
+    remarks.iter().filter(|remark| is_no_result(remark)).find_map(|remark| remark.remedy.as_deref())
 }
 
 fn no_acceptable_result(common: &SharedFlags, stage: &str, reason: &str, remedy: Option<&str>) -> ExitStatus {
@@ -391,11 +371,12 @@ fn no_acceptable_result(common: &SharedFlags, stage: &str, reason: &str, remedy:
     ExitStatus::NoAcceptableResult
 }
 
-/// Warnings in full, the number of the other notes.
-fn print_notes(stage: &str, notes: impl Iterator<Item = Note>, output: &Path) {
-    let (warnings, others): (Vec<Note>, Vec<Note>) = notes.partition(|note| note.severity == Severity::Warning);
+/// Warnings in full with their codes, the number of the other remarks.
+fn print_remarks(stage: &str, remarks: &[RemarkV1], output: &Path) {
+    let said = remarks.iter().filter(|remark| !is_no_result(remark));
+    let (warnings, others): (Vec<&RemarkV1>, Vec<&RemarkV1>) = said.partition(|remark| remark.is_warning());
     for warning in warnings {
-        say(format_args!("{stage:<16} {warning}"));
+        say(format_args!("{stage:<16} warning: {}", warning.with_code()));
     }
     let count = match others.len() {
         0 => return,

@@ -15,8 +15,8 @@ use crate::layout::schema::{viewer_safe_schema, without_blanks};
 use crate::records::{
     ArxScanV1, CandidateV1, ChannelFilterV1, ConcernsV1, ConcernsV2, DamageV1, DiagnosisV1, EventsV1, EvidenceV1,
     ExponentialSumV1, IdentificationV1, ImpactsV1, MatchingV1, MetricsV1, MetricsV2, ModesV1, ModesV2, NotesV1,
-    PredictionV1, QualityV1, RecommendationV1, RecordChecksV1, ResponseV1, SelectionV1, ShapesV1, SimulationV1,
-    StabilizationV1, StateSpaceV1, TestV1, TestsV1, TestsV2, TransferFunctionV1, VehiclesV1, WaveBlockV1,
+    PredictionV1, QualityV1, RecommendationV1, RecordChecksV1, RemarksV1, ResponseV1, SelectionV1, ShapesV1,
+    SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TestsV1, TestsV2, TransferFunctionV1, VehiclesV1, WaveBlockV1,
 };
 
 /// A type that may stand in an artifact. A record is a JSON object: viewers and checks of schemas take no other.
@@ -154,6 +154,7 @@ record! {
     QualityV1 => "crumple.Quality.v1",
     RecommendationV1 => "crumple.Recommendation.v1",
     RecordChecksV1 => "crumple.RecordChecks.v1",
+    RemarksV1 => "crumple.Remarks.v1",
     ResponseV1 => "crumple.Response.v1",
     SelectionV1 => "crumple.Selection.v1",
     SimulationV1 => "crumple.Simulation.v1",

@@ -38,5 +38,5 @@ pub use predicted::{
     AgainstTestV1, AnsweredByV1, PredictedCollisionV1, PredictedEnergyV1, PredictedIntervalV1, PredictedOccupantV1,
     PredictionV1,
 };
-pub use run::{ConcernV1, ConcernsV1, ConcernsV2, DiagnosisV1, NotesV1, RemarkV1, SeverityV1};
+pub use run::{ConcernV1, ConcernsV1, ConcernsV2, DiagnosisV1, NotesV1, RemarkV1, RemarksV1, SeverityV1, ValueV1};
 pub use test::{ChannelV1, ContactV1, KindV1, SourceV1, TestV1};

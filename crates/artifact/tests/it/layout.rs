@@ -566,6 +566,19 @@ fn freeze_of_every_stage() {
     }];
     freeze(&ConcernsV1(concerns.clone()));
     freeze(&ConcernsV2 { concerns });
+    let values = [("rise_g".to_owned(), ValueV1::Number(5.5)), ("channel".to_owned(), ValueV1::Text("a".into()))];
+    freeze(&RemarksV1 {
+        remarks: vec![RemarkV1 {
+            code: "CR101".into(),
+            stage: "ingest".into(),
+            about: "pulse".into(),
+            weight: 3,
+            values: values.into(),
+            text: "the pulse is positive".into(),
+            remedy: Some("--sign flip".into()),
+            written_by: None,
+        }],
+    });
     freeze(&NotesV1 { stage: "ingest".into(), notes: vec!["warning: clipped".into()] });
     freeze(&DiagnosisV1 { stage: "identify".into(), reason: "the record is constant".into(), has_result: false });
 }

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use crumple_signal::{
-    BARRIER, Cfc, Channel, ChannelStatus, Class, FilterSettings, QuantityKind, TestDescription, ZeroLevel,
-    criterion_of, part_of,
+    About, BARRIER, Cfc, Channel, ChannelStatus, Class, FilterSettings, QuantityKind, TestDescription, Weight,
+    ZeroLevel, criterion_of, part_of, remarks,
 };
 use crumple_stage::records::QualityV1;
 use crumple_stage::{Inputs, RefuseExt, Refused, Wave, flag, program};
@@ -65,18 +65,9 @@ pub fn channels_to_filter<'a>(
             let asked = settings.occupant_cfc.unwrap_or(Class::Cfc(class));
             (channel_settings.class, channel_settings.butterworth) = (asked, None);
             if asked != Class::Cfc(class) {
-                remarks.warning(
-                    &channel.id,
-                    format!(
-                        "of a dummy, filtered to CFC {asked} as asked for: its criteria ask for CFC {class} (SAE \
-                        J211-1)"
-                    ),
-                );
+                remarks.add(&channel.id, AnotherClass { asked: asked.to_string(), class: class.number() });
             } else if channel.cfc.is_none() {
-                remarks.info(
-                    &channel.id,
-                    format!("of a dummy, filtered to CFC {class} (SAE J211-1); --occupant-cfc changes the class"),
-                );
+                remarks.add(&channel.id, ClassOfBody { class: class.number() });
             }
         }
         channels.push(ChannelToFilter {
@@ -145,13 +136,46 @@ fn note_occupants_left(
     let pulse = test.pulse_channel().map_or_else(|_| String::new(), |channel| format!("{},", channel.id));
     let places: Vec<String> = places.into_iter().map(|(place, n)| format!("{place} ({n})")).collect();
     let class = settings.filter.class;
-    remarks.of_test(format!(
-        "{} occupant channels are left out, because no criterion uses them: {}. --set filter.channels='{pulse}{}' \
-         adds one, at CFC {class}",
-        left.len(),
-        first_of(&places),
-        example.id
-    ));
+    remarks.of_test(OccupantsLeftOut {
+        count: left.len(),
+        places: first_of(&places),
+        channels: format!("{pulse}{}", example.id),
+        class: class.to_string(),
+    });
+}
+
+remarks! {
+    /// Remarks of the choice of channels and classes.
+    pub REMARKS;
+
+    /// A channel of a dummy was filtered to another class than its criteria ask for.
+    CR223 AnotherClass { asked: String, class: u16 }
+    bears on (About::Pulse, Weight::Slight)
+    decided "SAE J211-1, table 1: head CFC 1000, chest 180; --occupant-cfc asks for another one."
+    means "HIC and the 3 ms clip are not those of the regulation: a lower class lowers both."
+    remedy "leave --occupant-cfc out"
+    says format!(
+        "of a dummy, filtered to CFC {asked} as asked for: its criteria ask for CFC {class} (SAE J211-1)"
+    );
+
+    /// A channel of a dummy was filtered to the class of its part of the body.
+    CR224 ClassOfBody { class: u16 }
+    bears on (About::Pulse, Weight::None)
+    decided "SAE J211-1, table 1, by the part of the body that the channel states."
+    means "Its class differs from that of the structure, as its criteria ask for."
+    remedy "nothing; --occupant-cfc changes the class"
+    says format!("of a dummy, filtered to CFC {class} (SAE J211-1); --occupant-cfc changes the class");
+
+    /// Channels of occupants that no criterion uses are left out.
+    CR225 OccupantsLeftOut { count: usize, places: String, channels: String, class: String }
+    bears on (About::Occupants, Weight::None)
+    decided "Criteria are made from heads and chests; other channels of dummies are not filtered."
+    means "They are in the record, and in no later file."
+    remedy "nothing; filter.channels adds those that are wanted"
+    says format!(
+        "{count} occupant channels are left out, because no criterion uses them: {places}. --set \
+         filter.channels='{channels}' adds one, at CFC {class}"
+    );
 }
 
 /// Why a list of channels cannot be filtered.

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::sync::Mutex;
 
 use crumple_signal::{
-    Applied, Channel, ChannelStatus, Class, Coefficients, ConcernContext, CorridorPoint, FilterError, FilterSettings,
-    Filtered, Note, Notes, QuantityKind, Severity, TestDescription, ZeroLevel, acceleration_of_velocity_change,
-    corridor, derivative_note, filter, filter_reporting,
+    About, Applied, Channel, ChannelStatus, Class, Coefficients, CorridorPoint, FilterError, FilterSettings, Filtered,
+    Note, Notes, QuantityKind, Severity, TestDescription, Value, Weight, ZeroLevel, acceleration_of_velocity_change,
+    corridor, derivative_note, filter, filter_reporting, remarks,
 };
 use crumple_stage::records::{ChannelFilterV1, CorridorPointV1};
 use crumple_stage::{Inputs, Output, RefuseExt, Refused, option};
@@ -39,7 +39,7 @@ pub fn filter_channels(
             }
             // A channel nobody asked for does not stop the others.
             Err(error) if !named && pulse != Some(&channel.id) => {
-                remarks.add(&channel.id, Note::warning(format!("left out: {error}")));
+                remarks.add(&channel.id, NotFiltered { reason: error.to_string() });
             }
             Err(error) => {
                 return Err(Refused::new(format!("channel {}: {error}", channel.id)).hint(hint(&error)).into());
@@ -121,12 +121,7 @@ pub fn derived(
     if is_recorder {
         derivative_note(wave, &of.id, &mut filtered.notes);
     } else {
-        filtered.notes.warning(format!(
-            "derived from the velocity {} by central differences over {:.3} ms, not measured: noise of the velocity is \
-             amplified in it",
-            of.id,
-            2e3 * wave.dt_s()
-        ));
+        filtered.notes.push(DerivedFromVelocity { velocity: of.id.clone(), over_s: 2.0 * wave.dt_s() });
     }
     let mut id = format!("{}_derivative", of.id);
     while test.channel(&id).is_some() {
@@ -209,39 +204,84 @@ fn corridor_point(point: CorridorPoint) -> CorridorPointV1 {
     CorridorPointV1 { frequency_hz, gain_db, upper_db, lower_db }
 }
 
-/// Notes by text, with the channels they hold for.
+remarks! {
+    /// Remarks of single channels.
+    pub REMARKS;
+
+    /// The acceleration was derived from a measured velocity.
+    CR218 DerivedFromVelocity { velocity: String, over_s: f64 }
+    bears on (About::Pulse, Weight::Slight)
+    decided "The pulse of the test is a velocity; central differences give its acceleration."
+    means "Delta-v and crush hold. Noise of the velocity is amplified in the acceleration: peaks are too high."
+    remedy "take the accelerometer channel as the pulse, where there is one: --channel"
+    says format!(
+        "derived from the velocity {velocity} by central differences over {:.3} ms, not measured: noise of the \
+         velocity is amplified in it",
+        1e3 * over_s
+    );
+
+    /// A channel that nobody asked for cannot be filtered and is left out.
+    CR219 NotFiltered { reason: String }
+    bears on (About::Pulse, Weight::Slight)
+    decided "A filter needs a rate of ten times its class and four samples; the sentence says what is missing."
+    means "Nothing is made from this channel. The pulse and all others are as they are."
+    remedy "nothing, or name the channels to filter: filter.channels"
+    says format!("left out: {reason}");
+
+    /// A channel is handed on without a filter.
+    CR220 HandedOn {}
+    bears on (About::Pulse, Weight::None)
+    decided "The pipeline names it in filter.pass, or it is a change of velocity that a recorder kept."
+    means "Later stages read it as it was recorded."
+    remedy "nothing"
+    says "handed on as it is";
+
+    /// A channel was brought to another sampling rate.
+    CR221 Resampled { from_hz: f64, to_hz: f64, interpolation: String }
+    bears on (About::Pulse, Weight::None)
+    decided "The pipeline asks for it: filter.resample."
+    means "Samples are interpolated; between them nothing new is known."
+    remedy "nothing; leave filter.resample out to keep the rate of the record"
+    says format!("resampled from {from_hz:.0} Hz to {to_hz:.0} Hz ({interpolation})");
+
+    /// Of a channel sampled fast only as many samples are kept as its class needs.
+    CR222 Thinned { from_hz: f64, every: usize, to_hz: f64 }
+    bears on (About::Pulse, Weight::None)
+    decided "The rate that is left is the lowest that shows the response of the class without an error."
+    means "Results are the same; files and later stages are smaller and faster."
+    remedy "nothing; filter.rate = \"full\" keeps every sample"
+    says format!(
+        "sampled at {from_hz:.0} Hz; after filtering every {every}th sample is kept, {to_hz:.0} Hz"
+    );
+}
+
+/// Remarks by text, with the channels they hold for.
 #[derive(Default)]
-pub struct Remarks(BTreeMap<(Severity, String), (Option<ConcernContext>, Vec<String>)>);
+pub struct Remarks(BTreeMap<(Severity, String), (Note, Vec<String>)>);
 
 impl Remarks {
-    pub fn add(&mut self, id: &str, note: Note) {
-        let (bearing, ids) = self.0.entry((note.severity, note.text)).or_default();
-        *bearing = note.bearing.or(bearing.take());
+    /// A remark on a channel.
+    pub fn add(&mut self, id: &str, remark: impl Into<Note>) {
+        let note = remark.into();
+        let (_, ids) = self.0.entry((note.severity, note.text.clone())).or_insert_with(|| (note, Vec::new()));
         ids.push(id.to_owned());
     }
 
-    pub fn info(&mut self, id: &str, text: impl Into<String>) {
-        self.add(id, Note::info(text));
-    }
-
-    pub fn warning(&mut self, id: &str, text: impl Into<String>) {
-        self.add(id, Note::warning(text));
-    }
-
-    /// A note on no channel of those that are filtered.
-    pub fn of_test(&mut self, text: impl Into<String>) {
-        self.0.entry((Severity::Info, text.into())).or_default();
+    /// A remark on no channel of those that are filtered.
+    pub fn of_test(&mut self, remark: impl Into<Note>) {
+        let note = remark.into();
+        self.0.entry((note.severity, note.text.clone())).or_insert_with(|| (note, Vec::new()));
     }
 
     pub fn into_notes(self) -> Notes {
         let mut notes = Notes::new();
-        for ((severity, text), (bearing, ids)) in self.0 {
-            if ids.is_empty() {
-                notes.info(text);
-                continue;
+        for (mut note, ids) in self.0.into_values() {
+            if !ids.is_empty() {
+                let names = first_of(&ids);
+                note = note.within(&format!("channel{} {names}: ", if ids.len() > 1 { "s" } else { "" }), "");
+                note.values.push(("channels", Value::Text(names)));
             }
-            let text = format!("channel{} {}: {text}", if ids.len() > 1 { "s" } else { "" }, first_of(&ids));
-            notes.push(Note { severity, text, bearing });
+            notes.push(note);
         }
         notes
     }

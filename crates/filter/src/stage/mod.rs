@@ -7,14 +7,16 @@ mod options;
 use std::path::PathBuf;
 
 use crumple_signal::{
-    Applied, Channel, Coefficients, QuantityKind, Resampling, TestDescription, keep_every, kept, resample,
-    samples_added,
+    Applied, Channel, Coefficients, DERIVATIVE_REMARKS, FILTER_REMARKS, Kind, QuantityKind, Resampling,
+    TestDescription, keep_every, kept, resample, samples_added,
 };
 use crumple_stage::records::{DamageV1, QualityV1, TestV1, VehiclesV1};
 use crumple_stage::{Inputs, Loaded, Outcome, Output, RefuseExt, Stage, option, program};
 
 use crate::stage::channels_to_filter::{channels_to_filter, resolve_ids};
-use crate::stage::filtering::{FilteredChannel, Remarks, derived, filter_channels, first_of, pulse_line, record};
+use crate::stage::filtering::{
+    FilteredChannel, HandedOn, Remarks, Resampled, Thinned, derived, filter_channels, first_of, pulse_line, record,
+};
 use crate::stage::options::{KeptRate, Options, StageSettings};
 
 /// The stage.
@@ -25,6 +27,8 @@ impl Stage for Filter {
     const BUILD: &'static str = env!("CRUMPLE_BUILD");
     const ABOUT: &'static str = "Filters the acceleration channels to a channel frequency class \
          (ISO 6487, SAE J211-1) and removes their zero level.";
+    const REMARKS: &'static [&'static [&'static Kind]] =
+        &[filtering::REMARKS, channels_to_filter::REMARKS, FILTER_REMARKS, DERIVATIVE_REMARKS];
     type Options = Options;
     type Settings = StageSettings;
     type Input = Inputs;
@@ -76,7 +80,7 @@ impl Stage for Filter {
         for id in pass.iter().filter(|id| !ids.contains(id)) {
             let wave = input.wave(id)?;
             out.wave(id, wave.quantity, wave.sampled.clone())?;
-            remarks.info(id, "handed on as it is");
+            remarks.add(id, HandedOn {});
         }
         if ids.len() > 1 {
             out.summary(format!("{} channels: {}", ids.len(), first_of(&ids)));
@@ -108,8 +112,8 @@ fn resample_all(channels: &mut [FilteredChannel], to: Resampling, remarks: &mut 
             option("filter", "resample", "10kHz")
         ))?;
         channel.extra.resampled_to_hz = Some(to.rate_hz);
-        let how = to.interpolation.name();
-        remarks.info(&channel.id, format!("resampled from {from_hz:.0} Hz to {:.0} Hz ({how})", to.rate_hz));
+        let interpolation = to.interpolation.name().to_owned();
+        remarks.add(&channel.id, Resampled { from_hz, to_hz: to.rate_hz, interpolation });
     }
     Ok(())
 }
@@ -132,9 +136,8 @@ fn keep_what_is_needed(channels: &mut [FilteredChannel], rate: KeptRate, remarks
         let at_rate = Coefficients::new(*cfc, coefficients.mode(), samples.dt_s());
         channel.extra.as_kept = Some((at_rate, samples_added(samples.len(), &at_rate)));
         let to_hz = samples.rate_hz();
-        let note = format!("sampled at {from_hz:.0} Hz; after filtering every {every}th sample is kept, {to_hz:.0} Hz");
-        channel.filtered.notes.info(&note);
-        remarks.info(&channel.id, note);
+        channel.filtered.notes.push(Thinned { from_hz, every, to_hz });
+        remarks.add(&channel.id, Thinned { from_hz, every, to_hz });
         channel.filtered.samples = samples;
     }
     Ok(())

@@ -8,7 +8,9 @@ mod conclusions;
 mod results;
 mod text;
 
-pub use conclusions::concerns::{concerns, first_warnings, is_of_a_failed_method, is_of_another_candidate, warnings};
+pub use conclusions::concerns::{
+    Concern, concerns, first_warnings, is_of_a_failed_method, is_of_another_candidate, warnings,
+};
 pub use conclusions::conclusion::{Conclusion, Number, ResultStatus, conclusion};
 pub use conclusions::distinct_curves::{DistinctCurve, SAME_CURVE, SAME_RESTITUTION, distinct_curves, same_curve};
 pub use conclusions::key_numbers::{KeyNumber, Spread, key_numbers};
@@ -23,7 +25,7 @@ pub use results::joint::{JointTests, LeftOut, TestOfJointModel};
 pub use results::model_output::{ErrorCorrelation, ModelOutput};
 pub use results::ranking::{Ranking, compare_ids};
 pub use results::run::{
-    CandidateResult, Element, IdentifiabilityCounts, MeasuredWaves, Model, PoleStability, Run, SensorMotion, StageNote,
+    CandidateResult, Element, IdentifiabilityCounts, MeasuredWaves, Model, PoleStability, Run, SensorMotion,
     StageProgram, StageRecord,
 };
 pub use results::{mass_divisions, ranking};

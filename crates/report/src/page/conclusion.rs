@@ -1,10 +1,9 @@
 //! Status and verdict on top of the page, and the gravest warnings below them.
 
 use crate::drawing::escape::html;
-use crate::findings::{Conclusion, Ranking, ResultStatus, Run, Status, first_warnings};
+use crate::findings::{Concern, Conclusion, Ranking, ResultStatus, Run, Status, first_warnings};
 use crate::phrases::PHRASES;
 use crate::phrases::words::fill;
-use crumple_artifact::records::ConcernV1;
 use crumple_signal::About;
 
 /// The word of the status with its reason, beside the title.
@@ -40,13 +39,13 @@ pub(super) fn write_before_use(
     run: &Run,
     ranking: &Ranking,
     verdict: &Conclusion,
-    concerns: &[ConcernV1],
+    concerns: &[Concern],
 ) {
     let phrases = &PHRASES.conclusion;
     let (first, others) = first_warnings(concerns, |_| false, run, ranking);
     let items: String = first.iter().map(|concern| item(concern)).collect();
     let list = if items.is_empty() { items } else { format!("<ol>\n{items}</ol>\n") };
-    let is_of_the_record = |concern: &ConcernV1| about(concern) == phrases.about_record;
+    let is_of_the_record = |concern: &Concern| about(concern) == phrases.about_record;
     let has_result = verdict.status != Some(Status::DoNotUse) && run.channel().is_some();
     let is_sound = has_result && !concerns.iter().any(is_of_the_record);
     let no_fault = if is_sound { format!("<p>{}</p>\n", phrases.no_fault) } else { String::new() };
@@ -66,17 +65,21 @@ pub(super) fn write_before_use(
 }
 
 /// An item of a list: what a concern is about, its text and what to do about it.
-pub(super) fn item(concern: &ConcernV1) -> String {
+pub(super) fn item(concern: &Concern) -> String {
     let template = PHRASES.conclusion.what_to_do;
     let remedy = concern.remedy.as_deref().map(|remedy| fill(template, &[("remedy", html(remedy))]));
     let stop = if concern.text.ends_with(['.', '?', '!']) { "" } else { "." };
     let remedy = remedy.map_or_else(String::new, |remedy| format!("{stop} {remedy}"));
     let (about, stage) = (about(concern), html(&concern.stage));
-    format!("<li data-stage=\"{stage}\"><b>{about}:</b> {}{remedy}</li>\n", html(&concern.text))
+    let code = match concern.code.as_str() {
+        "" => String::new(),
+        code => format!(" <span class=\"code\">[{}]</span>", html(code)),
+    };
+    format!("<li data-stage=\"{stage}\"><b>{about}:</b> {}{code}{remedy}</li>\n", html(&concern.text))
 }
 
 /// What a concern is about, in a word.
-fn about(concern: &ConcernV1) -> &'static str {
+fn about(concern: &Concern) -> &'static str {
     let phrases = &PHRASES.conclusion;
     match concern.about.parse() {
         Ok(About::Model(_)) => phrases.about_model,

@@ -7,10 +7,10 @@ use std::f64::consts::TAU;
 use crate::drawing::Figure;
 use crate::drawing::escape::html;
 use crate::drawing::numbers::ABSENT;
-use crate::findings::{Model, ModelOutput, PoleStability, Run, is_of_a_failed_method};
+use crate::findings::{Concern, Model, ModelOutput, PoleStability, Run, is_of_a_failed_method};
 use crate::phrases::words::fill;
 use crumple_artifact::records::{
-    ConcernV1, EvidenceV1, IdentificationV1, ModeV1, NoiseModelV1, OtherPoleKindV1, RecommendedBecauseV1, SpreadV1,
+    EvidenceV1, IdentificationV1, ModeV1, NoiseModelV1, OtherPoleKindV1, RecommendedBecauseV1, SpreadV1,
 };
 use crumple_signal::{Note, Severity};
 
@@ -22,7 +22,7 @@ const BETWEEN: &str = "input-output";
 /// Pole rows of a model that are open to view; the rest is folded.
 const OPEN_ROWS: usize = 12;
 
-pub(super) fn write(out: &mut String, run: &Run, concerns: &[ConcernV1], drawn: &[Figure]) {
+pub(super) fn write(out: &mut String, run: &Run, concerns: &[Concern], drawn: &[Figure]) {
     if run.models.is_empty() {
         return;
     }
@@ -64,7 +64,7 @@ fn write_recommended(out: &mut String, run: &Run) {
 }
 
 /// Every method that gave no model, with its reason.
-fn write_failed_methods(out: &mut String, concerns: &[ConcernV1]) {
+fn write_failed_methods(out: &mut String, concerns: &[Concern]) {
     let failed = concerns.iter().filter(|concern| is_of_a_failed_method(concern));
     let items: String = failed.map(|concern| format!("<li>{}</li>", html(&concern.text))).collect();
     if !items.is_empty() {

@@ -1,12 +1,11 @@
 //! What is missing, what the stages remarked, what the result can and cannot say, where it came from.
 
 use crate::drawing::escape::html;
-use crate::findings::{CandidateResult, Ranking, Run, StageNote, is_of_another_candidate, short, warnings};
+use crate::findings::{CandidateResult, Concern, Ranking, Run, is_of_another_candidate, short, warnings};
 use crate::phrases::PHRASES;
 use crate::phrases::words;
 use crate::phrases::words::fill;
-use crumple_artifact::records::ConcernV1;
-use crumple_signal::Severity;
+use crumple_artifact::records::RemarkV1;
 
 use crate::frame::{Column, table};
 use crate::page::conclusion;
@@ -26,19 +25,19 @@ pub(super) fn write_missing(out: &mut String, run: &Run) {
 }
 
 /// All concerns by their weight, then what is good to know by stage.
-pub(super) fn write_notes(out: &mut String, run: &Run, ranking: &Ranking, concerns: &[ConcernV1]) {
-    if run.notes.is_empty() && concerns.is_empty() {
+pub(super) fn write_notes(out: &mut String, run: &Run, ranking: &Ranking, concerns: &[Concern]) {
+    if run.remarks.is_empty() && concerns.is_empty() {
         return;
     }
     let texts = &PHRASES.remarks;
     out.push_str(&format!("<section id=\"notes\">\n<h2>{}</h2>\n", texts.notes_title));
     if !concerns.is_empty() {
-        let list = |concerns: &[&ConcernV1]| {
+        let list = |concerns: &[&Concern]| {
             let items: String = concerns.iter().map(|concern| conclusion::item(concern)).collect();
             format!("<ul class=\"notes warnings\">\n{items}</ul>\n")
         };
-        let diagnoses: Vec<&ConcernV1> = concerns.iter().filter(|c| c.is_no_result()).collect();
-        let (others, first): (Vec<&ConcernV1>, Vec<&ConcernV1>) =
+        let diagnoses: Vec<&Concern> = concerns.iter().filter(|c| c.is_no_result()).collect();
+        let (others, first): (Vec<&Concern>, Vec<&Concern>) =
             warnings(concerns).partition(|concern| is_of_another_candidate(concern, run, ranking));
         let count = match others.len() + first.len() {
             0 => String::new(),
@@ -55,12 +54,11 @@ pub(super) fn write_notes(out: &mut String, run: &Run, ranking: &Ranking, concer
     }
     // Each model lists its own.
     let of_models = || run.models.iter().filter_map(|model| model.identification.as_ref()).flat_map(|i| &i.notes);
-    let is_of_model = |note: &StageNote| of_models().any(|text| *text == note.note.text);
-    let infos: Vec<&StageNote> =
-        run.notes.iter().filter(|n| n.note.severity == Severity::Info && !is_of_model(n)).collect();
+    let is_of_model = |remark: &RemarkV1| of_models().any(|text| *text == remark.text);
+    let infos: Vec<&RemarkV1> = run.infos().filter(|remark| !is_of_model(remark)).collect();
     for of_stage in infos.chunk_by(|a, b| a.stage == b.stage) {
-        let Some(StageNote { stage, .. }) = of_stage.first() else { continue };
-        let items: String = of_stage.iter().map(|n| format!("<li>{}</li>\n", html(&n.note.text))).collect();
+        let Some(RemarkV1 { stage, .. }) = of_stage.first() else { continue };
+        let items: String = of_stage.iter().map(|remark| format!("<li>{}</li>\n", html(&remark.text))).collect();
         let list = format!("<ul class=\"notes\">\n{items}</ul>\n");
         out.push_str(&if of_stage.len() > OPEN_NOTES {
             let count = fill(texts.notes, &[("count", of_stage.len().to_string())]);

@@ -4,18 +4,18 @@ use crate::phrases::PHRASES;
 use std::collections::BTreeMap;
 
 use crate::{
-    CandidateResult, Element, JointTests, MeasuredWaves, Model, ModelOutput, Run, SensorMotion, StageNote, StageRecord,
+    CandidateResult, Element, JointTests, MeasuredWaves, Model, ModelOutput, Run, SensorMotion, StageRecord,
     compare_ids, fill,
 };
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{
-    CandidateV1, ChannelFilterV1, ConcernV1, ConcernsV2, DiagnosisV1, EvidenceV1, IdentificationV1, ImpactsV1,
-    MetricsV2, ModesV2, NotesV1, PredictionV1, QualityV1, ResponseV1, SeverityV1, SimulationV1, StabilizationV1,
-    StateSpaceV1, TestV1, TestsV2, TransferFunctionV1,
+    CandidateV1, ChannelFilterV1, DiagnosisV1, EvidenceV1, IdentificationV1, ImpactsV1, MetricsV2, ModesV2,
+    PredictionV1, QualityV1, RemarkV1, ResponseV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TestsV2,
+    TransferFunctionV1,
 };
-use crumple_signal::{About, Channel, Note, QuantityKind, Sampled, TestDescription, Weight};
+use crumple_signal::{Channel, Note, QuantityKind, Sampled, TestDescription};
 use crumple_stage::joints::{Contradiction, contradictions};
-use crumple_stage::{Inputs, Pipeline, Refused, program};
+use crumple_stage::{Inputs, Pipeline, Refused, is_no_result, program, remarks_of};
 
 /// Everything the artifacts say that a report shows. What none of them holds is named in [`Run::missing`]; what the
 /// pipeline asks for and nobody made is a remark.
@@ -58,12 +58,11 @@ pub fn gather(inputs: &Inputs, pipeline: Option<&Pipeline>) -> anyhow::Result<Ru
     if let Some(pipeline) = pipeline {
         run.provenance.iter_mut().for_each(|record| record.name_program(pipeline));
     }
-    collect_notes(inputs, &mut run)?;
+    collect_remarks(inputs, &mut run)?;
     let found = contradictions(inputs.artifacts(), pipeline);
     let program_of = |stage: &str| run.provenance.iter().find(|made| made.stage == stage)?.program.as_ref();
     let remark = |found: &Contradiction| found.remark(program_of(found.stage).map(|program| &*program.command));
-    run.remarks = found.iter().map(remark).collect();
-    run.concerns = concerns(inputs)?;
+    run.contradictions = found.iter().map(remark).collect();
     let qualities = inputs.records::<QualityV1>("/quality/")?;
     run.clipped = qualities.into_iter().filter(|(_, q)| q.may_be_clipped()).map(|(id, _)| id).collect();
     let without_parameters = simulations.keys().filter(|id| run.candidate(id).is_none()).count();
@@ -277,26 +276,20 @@ pub fn stage_record(artifact: &Artifact) -> StageRecord {
     }
 }
 
-/// Notes in stage order, each text of a stage once. What the reader of the file remarked counts as ingest's.
-fn collect_notes(inputs: &Inputs, run: &mut Run) -> anyhow::Result<()> {
-    let mut notes: Vec<StageNote> = Vec::new();
-    let mut add = |stage: &str, note: Note| {
-        let note = StageNote { stage: stage.to_owned(), note };
-        if !notes.iter().any(|other| other.stage == note.stage && other.note.text == note.note.text) {
-            notes.push(note);
-        }
+/// Remarks in stage order, each once: a stage that has nothing to work on hands on what an earlier one said. What the
+/// reader of the file remarked counts as ingest's, and is known without its artifact, since the test travels along.
+fn collect_remarks(inputs: &Inputs, run: &mut Run) -> anyhow::Result<()> {
+    let mut all: Vec<RemarkV1> = Vec::new();
+    let is_known = |all: &[RemarkV1], remark: &RemarkV1| {
+        all.iter().any(|known| (&known.stage, &known.text) == (&remark.stage, &remark.text))
     };
-    let file_remarks: Vec<Note> = run.test.notes.iter().map(|text| Note::parse(text)).collect();
-    let mut remarks_are_in = false;
     for artifact in inputs.artifacts() {
-        if let Some(record) = artifact.record::<NotesV1>("/notes").map_err(Refused::from)? {
-            for text in &record.notes {
-                add(&record.stage, Note::parse(text));
+        for remark in remarks_of(artifact).map_err(Refused::from)? {
+            // A program of before writes its diagnosis again.
+            let is_again = is_no_result(&remark) && all.iter().any(is_no_result);
+            if !is_known(&all, &remark) && !is_again {
+                all.push(remark);
             }
-        }
-        if artifact.stage() == Some("ingest") {
-            file_remarks.iter().for_each(|note| add("ingest", note.clone()));
-            remarks_are_in = true;
         }
         if let Some(diagnosis) = artifact.record::<DiagnosisV1>("/diagnosis").map_err(Refused::from)?
             && diagnosis.has_result
@@ -304,43 +297,12 @@ fn collect_notes(inputs: &Inputs, run: &mut Run) -> anyhow::Result<()> {
             run.without.get_or_insert(diagnosis.reason);
         }
     }
-    if !remarks_are_in {
-        // The test travels along: its remarks are known without ingest's artifact, and come first all the same.
-        let mut first: Vec<StageNote> =
-            file_remarks.into_iter().map(|note| StageNote { stage: "ingest".to_owned(), note }).collect();
-        first.extend(notes);
-        notes = first;
-    }
-    run.notes = notes;
+    let of_file = run.test.notes.iter().map(|text| RemarkV1::new("ingest", &Note::parse(text)));
+    let of_file: Vec<RemarkV1> = of_file.filter(|remark| !is_known(&all, remark)).collect();
+    let after_ingest = all.iter().take_while(|remark| remark.stage == "ingest").count();
+    all.splice(after_ingest..after_ingest, of_file);
+    run.remarks = all;
     Ok(())
-}
-
-/// Concerns in stage order, each once: a stage that has nothing to work on hands on what an earlier one said. The
-/// diagnosis of a program that writes no `/concerns` is one too.
-fn concerns(inputs: &Inputs) -> anyhow::Result<Vec<ConcernV1>> {
-    let mut all: Vec<ConcernV1> = Vec::new();
-    for artifact in inputs.artifacts() {
-        let written = artifact
-            .record::<ConcernsV2>("/concerns")
-            .map_err(Refused::from)?
-            .map_or(Vec::new(), |record| record.concerns);
-        let is_diagnosed = all.iter().chain(&written).any(ConcernV1::is_no_result);
-        let diagnosis = artifact.record::<DiagnosisV1>("/diagnosis").map_err(Refused::from)?;
-        let diagnosis = diagnosis.filter(|_| !is_diagnosed).map(|diagnosis| ConcernV1 {
-            about: About::of_stage(&diagnosis.stage).to_string(),
-            stage: diagnosis.stage,
-            severity: SeverityV1::NoResult,
-            weight: Weight::Decisive.number(),
-            text: diagnosis.reason,
-            remedy: None,
-        });
-        for concern in written.into_iter().chain(diagnosis) {
-            if !all.contains(&concern) {
-                all.push(concern);
-            }
-        }
-    }
-    Ok(all)
 }
 
 fn name_what_is_missing(run: &mut Run, without_parameters: usize) {
@@ -374,8 +336,8 @@ fn name_what_is_missing(run: &mut Run, without_parameters: usize) {
     let why_none = |stage: &str, what: &str| {
         let ran = run.provenance.iter().any(|record| record.stage == stage);
         let reason = run.without.as_deref().or_else(|| {
-            let diagnosed = run.concerns.iter().find(|concern| concern.is_no_result());
-            diagnosed.map(|concern| concern.text.as_str())
+            let diagnosed = run.remarks.iter().find(|remark| is_no_result(remark));
+            diagnosed.map(|remark| remark.text.as_str())
         });
         reason.filter(|_| ran).map(|reason| fill(texts.none_found, &[("what", what), ("reason", reason)]))
     };

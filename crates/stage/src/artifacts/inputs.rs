@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crumple_artifact::records::{ChannelFilterV1, ConcernV1, ConcernsV2, DiagnosisV1, EventsV1, TestV1};
+use crumple_artifact::records::{ChannelFilterV1, DiagnosisV1, EventsV1, RemarkV1, TestV1};
 use crumple_artifact::{Artifact, InputDigest, ReadError, Record, Wave, same_type};
 use crumple_signal::{
     Acceleration, BeforeEvent, IntegrationRule, Measurement, QuantityKind, Sampled, TestDescription, TwoPassFilter,
     coarse_step,
 };
 
+use crate::artifacts::remarks::{is_no_result, remarks_of};
 use crate::error::{MissingTopic, RefuseExt, Refused, Usage};
 use crate::joints::refuse_contradictions;
 use crate::names::{artifact_of, stage_order, writer_of};
@@ -31,8 +32,8 @@ pub struct Loaded<I> {
 pub(crate) struct Diagnosed {
     /// Who and why.
     pub(crate) diagnoses: Vec<DiagnosisV1>,
-    /// The same with what to do.
-    pub(crate) concerns: Vec<ConcernV1>,
+    /// The same as remarks, with what to do.
+    pub(crate) without_result: Vec<RemarkV1>,
     /// The test description travels on all the same.
     pub(crate) test: Option<Box<TestV1>>,
 }
@@ -44,11 +45,6 @@ impl Diagnosed {
             .iter()
             .find(|diagnosis| missing.writers() == [diagnosis.stage.as_str()])
             .map(|diagnosis| format!("nothing to work on, since {} says: {}", diagnosis.stage, diagnosis.reason))
-    }
-
-    /// What earlier stages said of why they have no result.
-    pub(crate) fn concerns(&self) -> impl Iterator<Item = &ConcernV1> {
-        self.concerns.iter().filter(|concern| concern.is_no_result())
     }
 }
 
@@ -87,13 +83,13 @@ pub fn load_artifacts(paths: &[PathBuf]) -> anyhow::Result<Loaded<Inputs>> {
         .map(|a| InputDigest { kind: a.stage().unwrap_or("artifact").to_owned(), digest: a.digest().to_owned() })
         .collect();
     let diagnoses = artifacts.iter().filter_map(|a| a.record::<DiagnosisV1>("/diagnosis").ok().flatten()).collect();
-    let concerns = artifacts.iter().filter_map(|a| a.record::<ConcernsV2>("/concerns").ok().flatten());
-    let concerns = concerns.flat_map(|record| record.concerns).collect();
+    let without_result =
+        artifacts.iter().flat_map(|a| remarks_of(a).unwrap_or_default()).filter(is_no_result).collect();
     refuse_a_mixture(&artifacts, |artifact| artifact.path().display().to_string())?;
     refuse_contradictions(&artifacts)?;
     let inputs = Inputs { artifacts };
     let test = inputs.record_if::<TestV1>("/test")?.map(Box::new);
-    Ok(Loaded { input: inputs, digests, diagnosed: Diagnosed { diagnoses, concerns, test } })
+    Ok(Loaded { input: inputs, digests, diagnosed: Diagnosed { diagnoses, without_result, test } })
 }
 
 /// The test description of an artifact, if it has one. Refuses one that makes no sense.
@@ -452,14 +448,11 @@ mod tests {
     #[test]
     fn a_stage_without_a_result_is_the_reason_for_what_is_missing() {
         let diagnosis = DiagnosisV1 { stage: "identify".to_owned(), reason: "no poles".to_owned(), has_result: false };
-        let concern = |severity| ConcernV1 { severity, ..ConcernV1::default() };
-        let concerns = vec![concern(SeverityV1::Warning), concern(SeverityV1::NoResult)];
-        let diagnosed = Diagnosed { diagnoses: vec![diagnosis], concerns, test: None };
+        let diagnosed = Diagnosed { diagnoses: vec![diagnosis], ..Diagnosed::default() };
         let missing = |writers| MissingTopic::new("/model", String::new(), writers);
         let reason = diagnosed.reason_for(&missing(&["identify"])).unwrap();
         assert_eq!(reason, "nothing to work on, since identify says: no poles");
         assert_eq!(diagnosed.reason_for(&missing(&["filter"])), None);
-        assert_eq!(diagnosed.concerns().count(), 1);
     }
 
     #[test]

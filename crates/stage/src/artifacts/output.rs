@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use crumple_artifact::{ArtifactBuilder, OutputKind, Record, WriteError};
-use crumple_signal::{About, Notes, QuantityKind, Sampled, Weight};
+use crumple_signal::{Notes, QuantityKind, Sampled};
 
 use crate::artifacts::inputs::path_of;
+use crate::artifacts::remarks::LeftOut;
 use crate::command_line::pipeline_file::Pipeline;
 use crate::error::{Refused, Usage};
 use crate::terminal::Progress;
@@ -37,8 +38,8 @@ impl Output {
     pub fn put_candidate<R: Record>(&mut self, topic: &str, id: &str, record: &R) -> anyhow::Result<bool> {
         let Err(error) = self.put(topic, record) else { return Ok(true) };
         let Some(WriteError::Impossible { field, value, .. }) = error.downcast_ref() else { return Err(error) };
-        let text = format!("{id} is left out: its {field} is {value:e}, which is no number of a vehicle");
-        self.notes.concern(About::Model(id.to_owned()), Weight::Slight, text);
+        let (field, value) = (field.to_owned(), format!("{value:e}"));
+        self.notes.push(LeftOut { id: id.to_owned(), field, value });
         Ok(false)
     }
 
@@ -47,7 +48,7 @@ impl Output {
         self.builder.wave(id, quantity, samples).context("a result cannot be written")
     }
 
-    /// Remarks for the reader of the result; written under `/notes`, warnings also to stderr.
+    /// Remarks for the reader of the result; written under `/remarks`, warnings also to stderr.
     pub fn notes(&mut self) -> &mut Notes {
         &mut self.notes
     }

@@ -2,7 +2,7 @@
 
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{CandidateV1, EventsV1, PredictionV1, RecommendationV1, SimulationV1, TestV1};
-use crumple_signal::{About, Weight};
+use crumple_signal::{About, Kind, Weight};
 
 use crate::joints::curves::value_at;
 use crate::joints::{BESIDE, Finding, Invariant, RunParts, is_outside, record, records};
@@ -10,91 +10,105 @@ use crate::joints::{BESIDE, Finding, Invariant, RunParts, is_outside, record, re
 /// Rows of the stages.
 pub(crate) static ROWS: [Invariant; 7] = [
     Invariant {
-        code: "CR501",
+        kind: Kind {
+            code: "CR501",
+            weight: Weight::Decisive,
+            explanation: [
+                "The masses of a candidate do not add up to that of the test.",
+                "mass_kg, or m1_kg, m2_kg, ... of a candidate are compared with the mass of /test; 0.5 % is left.",
+                "Its stiffness is that of another vehicle: crush and forces at other speeds are wrong by the ratio.",
+                "give the program of the stage parameter-solve the mass of /test, or crumple ingest the mass of the \
+                 candidate",
+            ],
+        },
         ends_the_run: false,
-        weight: Weight::Decisive,
-        explanation: [
-            "The masses of a candidate do not add up to that of the test.",
-            "mass_kg, or m1_kg, m2_kg, ... of a candidate are compared with the mass of /test; 0.5 % is left.",
-            "Its stiffness is that of another vehicle: crush and forces at other speeds are wrong by the ratio.",
-            "give the program of the stage parameter-solve the mass of /test, or crumple ingest the mass of the \
-             candidate",
-        ],
         find: masses_of_another_vehicle,
     },
     Invariant {
-        code: "CR502",
+        kind: Kind {
+            code: "CR502",
+            weight: Weight::Decisive,
+            explanation: [
+                "A parameter lies outside of its own interval.",
+                BESIDE,
+                "The interval or the value is that of something else.",
+                "write the interval of the value that is written",
+            ],
+        },
         ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "A parameter lies outside of its own interval.",
-            BESIDE,
-            "The interval or the value is that of something else.",
-            "write the interval of the value that is written",
-        ],
         find: parameter_outside,
     },
     Invariant {
-        code: "CR503",
+        kind: Kind {
+            code: "CR503",
+            weight: Weight::Decisive,
+            explanation: [
+                "A candidate is recommended that is not there.",
+                "The ids of /recommendation are looked for below /parameters/.",
+                "Nobody can predict with it.",
+                "recommend one of the candidates that are written",
+            ],
+        },
         ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "A candidate is recommended that is not there.",
-            "The ids of /recommendation are looked for below /parameters/.",
-            "Nobody can predict with it.",
-            "recommend one of the candidates that are written",
-        ],
         find: recommends_nobody,
     },
     Invariant {
-        code: "CR601",
+        kind: Kind {
+            code: "CR601",
+            weight: Weight::Decisive,
+            explanation: [
+                "The dynamic crush of a simulation is not that of its curve.",
+                "The curve is read at the stated time; 1 % and 1 mm are left.",
+                "The figure or the curve is that of something else.",
+                "read the figures off the curves that the program of the stage simulate writes",
+            ],
+        },
         ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "The dynamic crush of a simulation is not that of its curve.",
-            "The curve is read at the stated time; 1 % and 1 mm are left.",
-            "The figure or the curve is that of something else.",
-            "read the figures off the curves that the program of the stage simulate writes",
-        ],
         find: simulated_crush_differs,
     },
     Invariant {
-        code: "CR602",
+        kind: Kind {
+            code: "CR602",
+            weight: Weight::Decisive,
+            explanation: [
+                "A simulation or a prediction is of a candidate that is not there.",
+                "Its id is looked for below /parameters/ of 5-parameter-solve; a chain of the pipeline needs none.",
+                "What it was made with cannot be told.",
+                "simulate and predict with candidates of 5-parameter-solve",
+            ],
+        },
         ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "A simulation or a prediction is of a candidate that is not there.",
-            "Its id is looked for below /parameters/ of 5-parameter-solve; a chain of the pipeline needs none.",
-            "What it was made with cannot be told.",
-            "simulate and predict with candidates of 5-parameter-solve",
-        ],
         find: of_nobody,
     },
     Invariant {
-        code: "CR603",
+        kind: Kind {
+            code: "CR603",
+            weight: Weight::Decisive,
+            explanation: [
+                "A candidate is recommended that does not repeat its own test.",
+                "Its simulated dynamic crush is compared with that of /events, where the recommendation does not rate it; \
+                 3.5 % is left, as for every candidate (docs/methods/prediction.md).",
+                "What it predicts of other speeds is wrong by at least as much.",
+                "recommend no candidate that misses its test, or write its parameters in SI units",
+            ],
+        },
         ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "A candidate is recommended that does not repeat its own test.",
-            "Its simulated dynamic crush is compared with that of /events, where the recommendation does not rate it; \
-             3.5 % is left, as for every candidate (docs/methods/prediction.md).",
-            "What it predicts of other speeds is wrong by at least as much.",
-            "recommend no candidate that misses its test, or write its parameters in SI units",
-        ],
         find: recommended_misses_its_test,
     },
     Invariant {
-        code: "CR604",
+        kind: Kind {
+            code: "CR604",
+            weight: Weight::Decisive,
+            explanation: [
+                "A candidate was compared with the test with other parameters than it was simulated with.",
+                "crush_error of its evaluation, else of its rating, says what crush it has at the speed of the test; its \
+                 simulated crush is compared with that, and 1 % is left. Not asked where something else than the impact \
+                 moves the model.",
+                "Its agreement with the test, or else its curves, are those of other parameters.",
+                "evaluate and simulate the parameters that are written, at the speed of the test",
+            ],
+        },
         ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "A candidate was compared with the test with other parameters than it was simulated with.",
-            "crush_error of its evaluation, else of its rating, says what crush it has at the speed of the test; its \
-             simulated crush is compared with that, and 1 % is left. Not asked where something else than the impact \
-             moves the model.",
-            "Its agreement with the test, or else its curves, are those of other parameters.",
-            "evaluate and simulate the parameters that are written, at the speed of the test",
-        ],
         find: evaluated_with_others,
     },
 ];

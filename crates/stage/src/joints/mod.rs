@@ -15,9 +15,9 @@ use std::cmp::Reverse;
 use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
 
-use crumple_artifact::records::{CandidateV1, RemarkV1, TestV1};
+use crumple_artifact::records::{CandidateV1, RemarkV1, TestV1, ValueV1};
 use crumple_artifact::{Artifact, Record};
-use crumple_signal::{About, Sampled, Weight};
+use crumple_signal::{About, Kind, Sampled};
 
 use crate::command_line::pipeline_file::Pipeline;
 use crate::error::Refused;
@@ -25,14 +25,10 @@ use crate::names::{chain, stage_order};
 
 /// A row: what must hold, and what it means where it does not.
 pub struct Invariant {
-    /// Stable name: `CR`, the number of the stage in the chain, the number of the row.
-    pub code: &'static str,
+    /// Its code and its explanation; the weight is that of a warning.
+    pub kind: Kind,
     /// Whether nothing can be made from what contradicts itself; else it is a warning.
     pub ends_the_run: bool,
-    /// What becomes of the results where it is a warning.
-    pub weight: Weight,
-    /// What was found, how it is decided with its threshold and source, what it means for the result, what to do.
-    pub explanation: [&'static str; 4],
     /// Looks at one run.
     find: fn(&RunParts<'_>) -> Vec<Finding>,
 }
@@ -51,12 +47,10 @@ pub(crate) struct Finding {
 /// A contradiction in a run, as every surface shows it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contradiction {
-    /// Code of its row.
-    pub code: &'static str,
+    /// Code and explanation of its row.
+    pub kind: &'static Kind,
     /// Whether nothing can be made from it.
     pub ends_the_run: bool,
-    /// What becomes of the results where it is a warning.
-    pub weight: Weight,
     /// The stage that wrote what contradicts.
     pub stage: &'static str,
     /// What it concerns.
@@ -65,8 +59,6 @@ pub struct Contradiction {
     pub values: Vec<(&'static str, f64)>,
     /// One sentence.
     pub text: String,
-    /// One thing to do.
-    pub remedy: &'static str,
 }
 
 /// The rows of one joint.
@@ -92,18 +84,13 @@ pub fn invariants() -> impl Iterator<Item = &'static Invariant> {
     JOINTS.iter().flat_map(|joint| joint.rows)
 }
 
-/// The row of a code.
-pub fn invariant(code: &str) -> Option<&'static Invariant> {
-    invariants().find(|row| row.code.eq_ignore_ascii_case(code))
-}
-
 /// Every contradiction of the artifacts of one run: those that end it first, then the gravest, each in the order of the
 /// chain. `pipeline` says what was asked for, where it is known.
 pub fn contradictions(artifacts: &[Artifact], pipeline: Option<&Pipeline>) -> Vec<Contradiction> {
     let artifacts = artifacts.iter().filter_map(|a| Some((stage_of(a)?, a))).collect();
     let parts = RunParts { artifacts, pipeline, candidates: OnceCell::new() };
     let mut found: Vec<Contradiction> = JOINTS.iter().flat_map(|joint| joint.contradictions(&parts)).collect();
-    found.sort_by_key(|c| (!c.ends_the_run, Reverse(c.weight.number()), stage_order(Some(c.stage))));
+    found.sort_by_key(|c| (!c.ends_the_run, Reverse(c.kind.weight), stage_order(Some(c.stage))));
     found
 }
 
@@ -119,14 +106,12 @@ impl Joint {
         }
         let of_row = |row: &'static Invariant| {
             (row.find)(parts).into_iter().map(|finding| Contradiction {
-                code: row.code,
+                kind: &row.kind,
                 ends_the_run: row.ends_the_run,
-                weight: row.weight,
                 stage: finding.stage,
                 about: finding.about,
                 values: finding.values,
                 text: finding.text,
-                remedy: row.explanation[3],
             })
         };
         let found: Vec<Contradiction> = self.rows.iter().flat_map(of_row).collect();
@@ -141,7 +126,7 @@ impl Joint {
         let looked_at = parts.artifacts.iter().filter(|(stage, _)| self.looks_at.contains(stage));
         let digests = looked_at.map(|(stage, artifact)| format!("{stage} {} ", artifact.digest()));
         let asked = self.asks.and_then(|table| parts.pipeline?.table(table));
-        format!("{}{}{asked:?}", self.rows[0].code, digests.collect::<String>())
+        format!("{}{}{asked:?}", self.rows[0].kind.code, digests.collect::<String>())
     }
 }
 
@@ -150,28 +135,34 @@ pub(crate) fn refuse_contradictions(artifacts: &[Artifact]) -> Result<(), Refuse
     let found = contradictions(artifacts, None);
     let Some(first) = found.iter().find(|found| found.ends_the_run) else { return Ok(()) };
     let others = found.iter().filter(|other| other.stage == first.stage && *other != first);
-    let others: String = others.map(|other| format!("; {} [{}]", other.text, other.code)).collect();
-    let text = format!("{}: {} [{}]{others}", first.file(artifacts), first.text, first.code);
-    Err(Refused::new(text).hint(first.remedy))
+    let others: String = others.map(|other| format!("; {} [{}]", other.text, other.kind.code)).collect();
+    let text = format!("{}: {} [{}]{others}", first.file(artifacts), first.text, first.kind.code);
+    Err(Refused::new(text).hint(first.kind.explanation[3]))
 }
 
 impl Contradiction {
     /// As it is printed: an error, or a warning, with what to do.
     pub fn in_lines(&self, artifacts: &[Artifact]) -> String {
         let how = if self.ends_the_run { "error" } else { "warning" };
-        format!("{how}: {}: {} [{}]\n  hint: {}", self.file(artifacts), self.text, self.code, self.remedy)
+        format!(
+            "{how}: {}: {} [{}]\n  hint: {}",
+            self.file(artifacts),
+            self.text,
+            self.kind.code,
+            self.kind.explanation[3]
+        )
     }
 
     /// As a warning of a run, which a program reads by its code. A program from elsewhere that wrote it is named.
     pub fn remark(&self, program: Option<&str>) -> RemarkV1 {
         RemarkV1 {
-            code: self.code.to_owned(),
+            code: self.kind.code.to_owned(),
             stage: self.stage.to_owned(),
             about: self.about.to_string(),
-            weight: self.weight.number(),
-            values: self.values.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect(),
+            weight: self.kind.weight.number(),
+            values: self.values.iter().map(|(name, value)| ((*name).to_owned(), ValueV1::Number(*value))).collect(),
             text: self.text.clone(),
-            remedy: Some(self.remedy.to_owned()),
+            remedy: Some(self.kind.explanation[3].to_owned()),
             written_by: program.map(str::to_owned),
         }
     }

@@ -3,7 +3,7 @@
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{IdentificationV1, ModeV1, ModesV2, StateSpaceV1, TransferFunctionV1};
 use crumple_numerics::lti::{Complex, eigenvalues};
-use crumple_signal::{About, Weight};
+use crumple_signal::{About, Kind, Weight};
 use nalgebra::DMatrix;
 
 use crate::joints::{Finding, Invariant, RunParts, records};
@@ -11,54 +11,62 @@ use crate::joints::{Finding, Invariant, RunParts, records};
 /// Rows of the stage.
 pub(crate) static ROWS: [Invariant; 4] = [
     Invariant {
-        code: "CR401",
+        kind: Kind {
+            code: "CR401",
+            weight: Weight::Decisive,
+            explanation: [
+                "The matrices of a model do not fit together.",
+                "A model of order n has a of n rows of n numbers, b of n rows, c of n columns, d as many rows as c and as \
+                 many columns as b (docs/format.md, StateSpace); a transfer function has a denominator that starts with 1.",
+                "There is no such model: nothing can be computed from it.",
+                "write matrices of one order in the program of the stage identify",
+            ],
+        },
         ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "The matrices of a model do not fit together.",
-            "A model of order n has a of n rows of n numbers, b of n rows, c of n columns, d as many rows as c and as \
-             many columns as b (docs/format.md, StateSpace); a transfer function has a denominator that starts with 1.",
-            "There is no such model: nothing can be computed from it.",
-            "write matrices of one order in the program of the stage identify",
-        ],
         find: ragged,
     },
     Invariant {
-        code: "CR402",
+        kind: Kind {
+            code: "CR402",
+            weight: Weight::Decisive,
+            explanation: [
+                "A mode is no pole of its model.",
+                "Each mode is compared with the eigenvalues of a; of a sampled model they are ln(z)/T. 1 % of the pole is \
+                 left.",
+                "Modes and model are of different systems.",
+                "read the modes off the matrix a that is written",
+            ],
+        },
         ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "A mode is no pole of its model.",
-            "Each mode is compared with the eigenvalues of a; of a sampled model they are ln(z)/T. 1 % of the pole is \
-             left.",
-            "Modes and model are of different systems.",
-            "read the modes off the matrix a that is written",
-        ],
         find: modes_of_another_model,
     },
     Invariant {
-        code: "CR403",
+        kind: Kind {
+            code: "CR403",
+            weight: Weight::Decisive,
+            explanation: [
+                "Frequency or damping of a mode are not those of its pole.",
+                "The natural frequency is |p| in rad/s, the damping ratio -Re p/|p| (docs/format.md, Modes); 1 % and 0.01 \
+                 are left.",
+                "A frequency in Hz is 6.28 times too small: stiffness made from it is 39 times too small.",
+                "write natural_frequency_rad_per_s in rad/s and the damping ratio of the pole",
+            ],
+        },
         ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "Frequency or damping of a mode are not those of its pole.",
-            "The natural frequency is |p| in rad/s, the damping ratio -Re p/|p| (docs/format.md, Modes); 1 % and 0.01 \
-             are left.",
-            "A frequency in Hz is 6.28 times too small: stiffness made from it is 39 times too small.",
-            "write natural_frequency_rad_per_s in rad/s and the damping ratio of the pole",
-        ],
         find: mode_is_not_of_its_pole,
     },
     Invariant {
-        code: "CR404",
+        kind: Kind {
+            code: "CR404",
+            weight: Weight::Decisive,
+            explanation: [
+                "A fit is above 100 %.",
+                "A fit is 100 (1 - |y - yh|/|y - mean|) % (docs/format.md, Identification): 100 % at most.",
+                "The number is another one, and the models cannot be compared by it.",
+                "write the fit in percent as the format defines it",
+            ],
+        },
         ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "A fit is above 100 %.",
-            "A fit is 100 (1 - |y - yh|/|y - mean|) % (docs/format.md, Identification): 100 % at most.",
-            "The number is another one, and the models cannot be compared by it.",
-            "write the fit in percent as the format defines it",
-        ],
         find: fit_above_all,
     },
 ];

@@ -2,7 +2,7 @@
 
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{EventsV1, MetricV1, MetricsV2, TestV1};
-use crumple_signal::{About, Sampled, TestDescription, Weight};
+use crumple_signal::{About, Kind, Sampled, TestDescription, Weight};
 
 use crate::joints::curves::{Running, end_of, farthest, range, times, value_at};
 use crate::joints::{BESIDE, Finding, Invariant, RunParts, is_outside, pulse_of, record};
@@ -15,135 +15,155 @@ const READ_OFF: &str = "read the events off the curves that the program of the s
 /// Rows of the stage.
 pub(crate) static ROWS: [Invariant; 10] = [
     Invariant {
-        code: "CR301",
+        kind: Kind {
+            code: "CR301",
+            weight: Weight::Decisive,
+            explanation: [
+                "The velocity is not the integral of the acceleration.",
+                "From contact on both are compared, sample by sample. What is left is 4 % of the range of the velocity \
+                 beside a straight line, which a drift that was taken out makes: other rules of integration and a rate of \
+                 1 kHz stay below 1 %.",
+                "A unit, a sign or a time axis is wrong: crush, delta-v and every model are made from this velocity.",
+                INTEGRATE,
+            ],
+        },
         ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "The velocity is not the integral of the acceleration.",
-            "From contact on both are compared, sample by sample. What is left is 4 % of the range of the velocity \
-             beside a straight line, which a drift that was taken out makes: other rules of integration and a rate of \
-             1 kHz stay below 1 %.",
-            "A unit, a sign or a time axis is wrong: crush, delta-v and every model are made from this velocity.",
-            INTEGRATE,
-        ],
         find: velocity_is_no_integral,
     },
     Invariant {
-        code: "CR302",
+        kind: Kind {
+            code: "CR302",
+            weight: Weight::Decisive,
+            explanation: [
+                "The displacement is not the integral of the velocity.",
+                "From contact on both are compared, sample by sample; 2 % of the range of the displacement and 1 mm are \
+                 left.",
+                "A unit, a sign or a time axis is wrong: models are fitted to this displacement.",
+                INTEGRATE,
+            ],
+        },
         ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "The displacement is not the integral of the velocity.",
-            "From contact on both are compared, sample by sample; 2 % of the range of the displacement and 1 mm are \
-             left.",
-            "A unit, a sign or a time axis is wrong: models are fitted to this displacement.",
-            INTEGRATE,
-        ],
         find: displacement_is_no_integral,
     },
     Invariant {
-        code: "CR303",
+        kind: Kind {
+            code: "CR303",
+            weight: Weight::Decisive,
+            explanation: [
+                "The velocity does not begin with the impact speed, or two impact speeds are stated.",
+                "The velocity at contact, or where the integration begins, and the speed of /test are compared with that \
+                 of /events; 1 % and 0.05 m/s are left. What a filter spreads before contact is in between.",
+                "Energy and crush go with the square of the speed: one of both is wrong.",
+                READ_OFF,
+            ],
+        },
         ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "The velocity does not begin with the impact speed, or two impact speeds are stated.",
-            "The velocity at contact, or where the integration begins, and the speed of /test are compared with that \
-             of /events; 1 % and 0.05 m/s are left. What a filter spreads before contact is in between.",
-            "Energy and crush go with the square of the speed: one of both is wrong.",
-            READ_OFF,
-        ],
         find: two_impact_speeds,
     },
     Invariant {
-        code: "CR304",
+        kind: Kind {
+            code: "CR304",
+            weight: Weight::Decisive,
+            explanation: [
+                "The dynamic crush is not the displacement at its time, the velocity there is not zero, or the \
+                 displacement at contact is not.",
+                "The curves are read at the stated time; 1 % and 1 mm of the crush, 5 % of the impact speed are left, \
+                 which is 1 % of the crush on a pulse of usual length.",
+                "Crush is what models are fitted to and compared with.",
+                READ_OFF,
+            ],
+        },
         ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "The dynamic crush is not the displacement at its time, the velocity there is not zero, or the \
-             displacement at contact is not.",
-            "The curves are read at the stated time; 1 % and 1 mm of the crush, 5 % of the impact speed are left, \
-             which is 1 % of the crush on a pulse of usual length.",
-            "Crush is what models are fitted to and compared with.",
-            READ_OFF,
-        ],
         find: crush_is_not_of_the_curve,
     },
     Invariant {
-        code: "CR305",
+        kind: Kind {
+            code: "CR305",
+            weight: Weight::Decisive,
+            explanation: [
+                "Impact speed, rebound, restitution and delta-v do not fit together.",
+                "Delta-v is the impact speed less the rebound velocity, restitution their ratio (docs/format.md, Events); \
+                 1 % of the impact speed is left.",
+                "One of them is wrong, and predictions start from them.",
+                READ_OFF,
+            ],
+        },
         ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "Impact speed, rebound, restitution and delta-v do not fit together.",
-            "Delta-v is the impact speed less the rebound velocity, restitution their ratio (docs/format.md, Events); \
-             1 % of the impact speed is left.",
-            "One of them is wrong, and predictions start from them.",
-            READ_OFF,
-        ],
         find: rebound_contradicts_itself,
     },
     Invariant {
-        code: "CR306",
+        kind: Kind {
+            code: "CR306",
+            weight: Weight::Decisive,
+            explanation: [
+                "A value lies outside of its own interval.",
+                BESIDE,
+                "The interval or the value is that of something else.",
+                "write the interval of the value that is written",
+            ],
+        },
         ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "A value lies outside of its own interval.",
-            BESIDE,
-            "The interval or the value is that of something else.",
-            "write the interval of the value that is written",
-        ],
         find: outside_of_its_interval,
     },
     Invariant {
-        code: "CR307",
+        kind: Kind {
+            code: "CR307",
+            weight: Weight::Decisive,
+            explanation: [
+                "A metric and an event of one name differ.",
+                "Dynamic crush and delta-v of /metrics, taken to SI by their unit, are compared with /events; 0.1 % \
+                 and 0.0001 are left, for programs that round to four digits.",
+                "A unit or a curve is another one: which number is right cannot be told.",
+                "write SI units, and read metrics and events off the same curves",
+            ],
+        },
         ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "A metric and an event of one name differ.",
-            "Dynamic crush and delta-v of /metrics, taken to SI by their unit, are compared with /events; 0.1 % \
-             and 0.0001 are left, for programs that round to four digits.",
-            "A unit or a curve is another one: which number is right cannot be told.",
-            "write SI units, and read metrics and events off the same curves",
-        ],
         find: metric_and_event_differ,
     },
     Invariant {
-        code: "CR308",
+        kind: Kind {
+            code: "CR308",
+            weight: Weight::Decisive,
+            explanation: [
+                "The force is not mass times deceleration.",
+                "The force of the pulse is compared with the mass of /test times the acceleration; 3 % of its range are \
+                 left.",
+                "A unit or the mass is another one: stiffness goes with the force.",
+                "write N in the program of the stage integrate",
+            ],
+        },
         ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "The force is not mass times deceleration.",
-            "The force of the pulse is compared with the mass of /test times the acceleration; 3 % of its range are \
-             left.",
-            "A unit or the mass is another one: stiffness goes with the force.",
-            "write N in the program of the stage integrate",
-        ],
         find: force_is_no_product,
     },
     Invariant {
-        code: "CR309",
+        kind: Kind {
+            code: "CR309",
+            weight: Weight::Decisive,
+            explanation: [
+                "A motion was integrated, and nobody says what its events are.",
+                "/events is looked for beside /wave/PULSE/displacement in 3-integrate of a vehicle that /test gives a mass \
+                 and an impact speed.",
+                "Without contact, crush and its time nothing can be fitted.",
+                "write /events in the program of the stage integrate: CONTRACT.md of crumple new-stage integrate lists it",
+            ],
+        },
         ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "A motion was integrated, and nobody says what its events are.",
-            "/events is looked for beside /wave/PULSE/displacement in 3-integrate of a vehicle that /test gives a mass \
-             and an impact speed.",
-            "Without contact, crush and its time nothing can be fitted.",
-            "write /events in the program of the stage integrate: CONTRACT.md of crumple new-stage integrate lists it",
-        ],
         find: has_no_events,
     },
     Invariant {
-        code: "CR310",
+        kind: Kind {
+            code: "CR310",
+            weight: Weight::Decisive,
+            explanation: [
+                "The velocity has a drift that the acceleration has not, and nobody says that it was taken out.",
+                "The straight line between the velocity and the integral of the acceleration, from contact to the end, is \
+                 compared with the metric drift_correction of the channel; 1 m/s² is left, twice the uncertainty of a zero \
+                 level of 0.05 g.",
+                "The crush is off by half of it times the square of the time of crush: 26 mm for 8 m/s² at 80 ms.",
+                "write what was taken out as the metric drift_correction in m/s^2, or integrate the samples as they are",
+            ],
+        },
         ends_the_run: false,
-        weight: Weight::Decisive,
-        explanation: [
-            "The velocity has a drift that the acceleration has not, and nobody says that it was taken out.",
-            "The straight line between the velocity and the integral of the acceleration, from contact to the end, is \
-             compared with the metric drift_correction of the channel; 1 m/s² is left, twice the uncertainty of a zero \
-             level of 0.05 g.",
-            "The crush is off by half of it times the square of the time of crush: 26 mm for 8 m/s² at 80 ms.",
-            "write what was taken out as the metric drift_correction in m/s^2, or integrate the samples as they are",
-        ],
         find: has_a_drift_of_its_own,
     },
 ];

@@ -3,7 +3,7 @@
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{CandidateV1, PredictionV1, RecommendationV1, TestV1};
 use crumple_signal::value::{Mass, Speed};
-use crumple_signal::{About, Weight};
+use crumple_signal::{About, Kind, Weight};
 
 use crate::command_line::pipeline_file::Pipeline;
 use crate::joints::candidates::{ADEQUATE, tested_crush_m, total_mass};
@@ -12,82 +12,94 @@ use crate::joints::{BESIDE, Finding, Invariant, RunParts, is_outside, record, re
 /// Rows of the stage.
 pub(crate) static ROWS: [Invariant; 6] = [
     Invariant {
-        code: "CR701",
+        kind: Kind {
+            code: "CR701",
+            weight: Weight::Decisive,
+            explanation: [
+                "A prediction lies outside of its own interval.",
+                BESIDE,
+                "The interval or the value is that of something else.",
+                "write the interval of the value that is written",
+            ],
+        },
         ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "A prediction lies outside of its own interval.",
-            BESIDE,
-            "The interval or the value is that of something else.",
-            "write the interval of the value that is written",
-        ],
         find: prediction_outside,
     },
     Invariant {
-        code: "CR702",
+        kind: Kind {
+            code: "CR702",
+            weight: Weight::Decisive,
+            explanation: [
+                "Impact speed and mass of a prediction are no speed and no mass.",
+                "Both are to be above zero.",
+                "There is no such collision.",
+                "write m/s and kg, both positive, in the program of the stage predict",
+            ],
+        },
         ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "Impact speed and mass of a prediction are no speed and no mass.",
-            "Both are to be above zero.",
-            "There is no such collision.",
-            "write m/s and kg, both positive, in the program of the stage predict",
-        ],
         find: no_collision,
     },
     Invariant {
-        code: "CR703",
+        kind: Kind {
+            code: "CR703",
+            weight: Weight::Decisive,
+            explanation: [
+                "The prediction for the test's own speed and mass is not its crush.",
+                "Predictions of an adequate candidate within 0.5 % of speed and mass of the test are compared with the \
+                 dynamic crush of /events; 7 % is left, twice what an adequate candidate may miss.",
+                "What it says of other speeds is wrong by at least as much.",
+                "predict the crush of the candidate at the speed that is written, in m",
+            ],
+        },
         ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "The prediction for the test's own speed and mass is not its crush.",
-            "Predictions of an adequate candidate within 0.5 % of speed and mass of the test are compared with the \
-             dynamic crush of /events; 7 % is left, twice what an adequate candidate may miss.",
-            "What it says of other speeds is wrong by at least as much.",
-            "predict the crush of the candidate at the speed that is written, in m",
-        ],
         find: own_test_is_predicted_otherwise,
     },
     Invariant {
-        code: "CR704",
+        kind: Kind {
+            code: "CR704",
+            weight: Weight::Decisive,
+            explanation: [
+                "Numbers of one prediction contradict each other, or two predictions.",
+                "Against the wall delta-v is the impact speed times one and the restitution, the energy at impact half the \
+                 mass times the speed squared, and the crush at most speed times its time; 1 % is left of each, what \
+                 programs round by. A candidate of one mass is crushed no less at a higher speed; 1 % is left.",
+                "One of the numbers is of another collision, and which cannot be told.",
+                "write the numbers of one collision in the program of the stage predict",
+            ],
+        },
         ends_the_run: true,
-        weight: Weight::Decisive,
-        explanation: [
-            "Numbers of one prediction contradict each other, or two predictions.",
-            "Against the wall delta-v is the impact speed times one and the restitution, the energy at impact half the \
-             mass times the speed squared, and the crush at most speed times its time; 1 % is left of each, what \
-             programs round by. A candidate of one mass is crushed no less at a higher speed; 1 % is left.",
-            "One of the numbers is of another collision, and which cannot be told.",
-            "write the numbers of one collision in the program of the stage predict",
-        ],
         find: contradicts_itself,
     },
     Invariant {
-        code: "CR705",
+        kind: Kind {
+            code: "CR705",
+            weight: Weight::Decisive,
+            explanation: [
+                "A prediction goes beyond the test and says that it does not extrapolate.",
+                "Energy and crush of predictions against the wall are compared with those of the test: 15 % more energy \
+                 and 7 % more crush, twice what an adequate candidate may miss, are beyond it. Not asked of a fit to \
+                 several tests.",
+                "No part of the record shows what the structure does there: the number is less sure than it says.",
+                "set extrapolates where the structure is crushed further than in the test",
+            ],
+        },
         ends_the_run: false,
-        weight: Weight::Decisive,
-        explanation: [
-            "A prediction goes beyond the test and says that it does not extrapolate.",
-            "Energy and crush of predictions against the wall are compared with those of the test: 15 % more energy \
-             and 7 % more crush, twice what an adequate candidate may miss, are beyond it. Not asked of a fit to \
-             several tests.",
-            "No part of the record shows what the structure does there: the number is less sure than it says.",
-            "set extrapolates where the structure is crushed further than in the test",
-        ],
         find: hides_that_it_extrapolates,
     },
     Invariant {
-        code: "CR706",
+        kind: Kind {
+            code: "CR706",
+            weight: Weight::Decisive,
+            explanation: [
+                "Predictions that were asked for are missing, or others stand in their place.",
+                "Speeds and masses of the table [predict] of the pipeline are looked for among the predictions of the \
+                 recommended candidate; 0.5 % is left. Without a mass it is that of the test. Not asked where 7-predict \
+                 states options of its own.",
+                "The number that somebody looks for is not there, or that beside it is of another impact.",
+                "predict every speed of the pipeline: the program of the stage predict is given its file by --pipeline",
+            ],
+        },
         ends_the_run: false,
-        weight: Weight::Decisive,
-        explanation: [
-            "Predictions that were asked for are missing, or others stand in their place.",
-            "Speeds and masses of the table [predict] of the pipeline are looked for among the predictions of the \
-             recommended candidate; 0.5 % is left. Without a mass it is that of the test. Not asked where 7-predict \
-             states options of its own.",
-            "The number that somebody looks for is not there, or that beside it is of another impact.",
-            "predict every speed of the pipeline: the program of the stage predict is given its file by --pipeline",
-        ],
         find: was_not_asked_for,
     },
 ];

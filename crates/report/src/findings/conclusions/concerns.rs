@@ -1,18 +1,59 @@
 //! What speaks against a run, ranked by what it does to what is shown.
 
-use crate::drawing::numbers::MILLI;
-use crate::phrases::PHRASES;
-use crate::phrases::words;
-use crate::phrases::words::fill;
-use crumple_artifact::records::{Certainty, ConcernV1, RemarkV1, SeverityV1};
-use crumple_signal::{About, Severity, Weight};
+use crumple_artifact::records::{RemarkV1, SeverityV1};
+use crumple_signal::About;
+use crumple_stage::is_no_result;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-use crate::findings::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::findings::conclusions::kind::Kind;
-use crate::findings::conclusions::several_tests::missed;
-use crate::findings::text::candidate_name;
-use crate::findings::text::symbols;
+use crate::findings::conclusions::own_remarks::own_remarks;
 use crate::findings::{Ranking, Run};
+
+/// A warning of a run as its surfaces show it, or the diagnosis of a stage without a result.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+#[schemars(!default)]
+pub struct Concern {
+    /// The stage that says it.
+    pub stage: String,
+    /// How severe it is.
+    pub severity: SeverityV1,
+    /// What it concerns, as in `/remarks`.
+    pub about: String,
+    /// What it changes (1 to 3) times how prominently the page shows that (1 to 3).
+    pub weight: u8,
+    /// One sentence.
+    pub text: String,
+    /// One thing to do about it, where the sentence does not say it.
+    pub remedy: Option<String>,
+    /// Its code: `crumple explain CODE`. Empty: a sentence of a program that gives none.
+    pub code: String,
+}
+
+impl Concern {
+    fn new(remark: &RemarkV1, prominence: u8) -> Self {
+        Self {
+            stage: remark.stage.clone(),
+            severity: if is_no_result(remark) { SeverityV1::NoResult } else { SeverityV1::Warning },
+            about: subject(remark).to_string(),
+            weight: remark.weight * prominence,
+            text: remark.text.clone(),
+            remedy: remark.remedy.clone(),
+            code: remark.code.clone(),
+        }
+    }
+
+    /// Whether it is the diagnosis of a stage without a result.
+    pub fn is_no_result(&self) -> bool {
+        self.severity == SeverityV1::NoResult
+    }
+
+    /// Its sentence with its code behind it.
+    pub fn with_code(&self) -> String {
+        if self.code.is_empty() { self.text.clone() } else { format!("{} [{}]", self.text, self.code) }
+    }
+}
 
 /// Warnings that stand on the first screen.
 pub const SHOWN_FIRST: usize = 3;
@@ -22,13 +63,13 @@ const LARGEST_WEIGHT: u8 = 9;
 
 /// Number, from 1, and subject of the first warning of a stage that what the page shows first may be another thing than
 /// it is taken for. That mass or speed is not stated makes nothing else of what is shown.
-pub fn decisive_warning<'a>(run: &Run, concerns: &'a [ConcernV1]) -> Option<(usize, &'a str)> {
+pub fn decisive_warning<'a>(run: &Run, concerns: &'a [Concern]) -> Option<(usize, &'a str)> {
     let is_absent = |about: &str| match about.parse() {
         Ok(About::Mass) => run.test.mass_kg.is_none(),
         Ok(About::ImpactSpeed) => run.test.impact_speed_m_per_s.is_none(),
         _ => false,
     };
-    let is_decisive = |c: &ConcernV1| c.weight == LARGEST_WEIGHT && c.stage != "report" && !is_absent(&c.about);
+    let is_decisive = |c: &Concern| c.weight == LARGEST_WEIGHT && c.stage != "report" && !is_absent(&c.about);
     warnings(concerns).zip(1..).find(|(c, _)| is_decisive(c)).map(|(concern, number)| (number, concern.about.as_str()))
 }
 
@@ -36,19 +77,19 @@ pub fn decisive_warning<'a>(run: &Run, concerns: &'a [ConcernV1]) -> Option<(usi
 /// results contradict each other in, then, gravest first, the warnings of the stages and what follows from the results
 /// themselves. No two of the first `SHOWN_FIRST` concern the same thing where others
 /// are as grave within one step of how much they change.
-pub fn concerns(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<ConcernV1> {
-    let mut all: Vec<ConcernV1> = run.concerns.iter().map(|record| of_record(record, run, ranking, kind)).collect();
-    for note in run.notes.iter().filter(|note| note.note.severity == Severity::Warning) {
-        if !all.iter().any(|known| known.stage == note.stage && known.text == note.note.text) {
-            let about = About::of_stage(&note.stage);
-            all.push(concern(&note.stage, about, Weight::Slight, note.note.text.clone(), run, ranking, kind));
-        }
-    }
-    for (about, weight, text) in of_results(run, ranking, kind) {
-        all.push(concern("report", about, weight, text, run, ranking, kind));
-    }
+pub fn concerns(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<Concern> {
+    let weighed = |remark: &RemarkV1| Concern::new(remark, prominence(&subject(remark), run, ranking, kind));
+    let of_stages = run
+        .remarks
+        .iter()
+        .filter(|remark| remark.is_warning())
+        .map(|remark| Concern { remedy: remark.remedy.clone().filter(|_| is_no_result(remark)), ..weighed(remark) });
+    let own = own_remarks(run, ranking, kind)
+        .into_iter()
+        .map(|note| Concern { remedy: None, ..weighed(&RemarkV1::new("report", &note)) });
+    let mut all: Vec<Concern> = of_stages.chain(own).collect();
     // Of another record nobody asks for the mass of a vehicle.
-    let is_asked = |concern: &ConcernV1| {
+    let is_asked = |concern: &Concern| {
         kind != Kind::InputOutput || !concern.about.parse().is_ok_and(|about| is_of_a_crash(&about))
     };
     all.retain(is_asked);
@@ -56,15 +97,35 @@ pub fn concerns(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<ConcernV1> {
     all.sort_by_key(|concern| (!concern.is_no_result(), std::cmp::Reverse(concern.weight), order_of(&concern.about)));
     let mut all = one_each_first(all);
     // What else is said follows from what contradicts itself.
-    let remarks = run.remarks.iter().map(|remark| of_remark(remark, run, ranking, kind)).filter(is_asked);
+    let of_contradiction = |remark: &RemarkV1| match &remark.written_by {
+        Some(program) => Concern { text: format!("{}; written by {program}", remark.text), ..weighed(remark) },
+        None => weighed(remark),
+    };
+    let contradictions = run.contradictions.iter().map(of_contradiction).filter(is_asked);
     let after_the_diagnoses = all.iter().take_while(|concern| concern.is_no_result()).count();
-    all.splice(after_the_diagnoses..after_the_diagnoses, remarks);
+    all.splice(after_the_diagnoses..after_the_diagnoses, contradictions);
     all
 }
 
+/// The remarks behind the concerns of a run, in their order, then what is good to know, as the stages wrote it.
+pub fn remarks(run: &Run, ranking: &Ranking, kind: Kind, concerns: &[Concern]) -> Vec<RemarkV1> {
+    let own = own_remarks(run, ranking, kind);
+    let own = own.iter().map(|note| RemarkV1::new("report", note));
+    let all: Vec<RemarkV1> = run.contradictions.iter().chain(&run.remarks).cloned().chain(own).collect();
+    let place = |remark: &RemarkV1| {
+        let is_of = |concern: &Concern| {
+            (&concern.stage, &concern.code) == (&remark.stage, &remark.code) && concern.text.starts_with(&remark.text)
+        };
+        concerns.iter().position(is_of).unwrap_or(concerns.len())
+    };
+    let mut all: Vec<(usize, RemarkV1)> = all.into_iter().map(|remark| (place(&remark), remark)).collect();
+    all.sort_by_key(|(place, _)| *place);
+    all.into_iter().map(|(_, remark)| remark).collect()
+}
+
 /// Of the gravest ones those that concern different things come first.
-fn one_each_first(all: Vec<ConcernV1>) -> Vec<ConcernV1> {
-    let (mut first, mut others): (Vec<ConcernV1>, Vec<ConcernV1>) = (Vec::new(), Vec::new());
+fn one_each_first(all: Vec<Concern>) -> Vec<Concern> {
+    let (mut first, mut others): (Vec<Concern>, Vec<Concern>) = (Vec::new(), Vec::new());
     for concern in all {
         let is_new = first.iter().all(|known| known.about != concern.about);
         if first.len() < SHOWN_FIRST && is_new { first.push(concern) } else { others.push(concern) }
@@ -77,66 +138,33 @@ fn order_of(about: &str) -> Option<About> {
     about.parse().ok()
 }
 
-fn of_record(record: &ConcernV1, run: &Run, ranking: &Ranking, kind: Kind) -> ConcernV1 {
-    let about = record.about.parse().unwrap_or(About::Record);
-    let weight = Weight::of_number(record.weight);
-    let concern = concern(&record.stage, about, weight, record.text.clone(), run, ranking, kind);
-    ConcernV1 { severity: record.severity, remedy: record.remedy.clone(), ..concern }
-}
-
-fn of_remark(remark: &RemarkV1, run: &Run, ranking: &Ranking, kind: Kind) -> ConcernV1 {
-    let about = remark.about.parse().unwrap_or(About::Record);
-    let weight = Weight::of_number(remark.weight);
-    let text = match &remark.written_by {
-        Some(program) => format!("{}; written by {program}", remark.text),
-        None => remark.text.clone(),
-    };
-    let concern = concern(&remark.stage, about, weight, text, run, ranking, kind);
-    ConcernV1 { remedy: remark.remedy.clone(), ..concern }
-}
-
-fn concern(
-    stage: &str,
-    about: About,
-    changes: Weight,
-    text: String,
-    run: &Run,
-    ranking: &Ranking,
-    kind: Kind,
-) -> ConcernV1 {
-    ConcernV1 {
-        stage: stage.to_owned(),
-        severity: SeverityV1::Warning,
-        weight: changes.number() * prominence(&about, run, ranking, kind),
-        about: about.to_string(),
-        text,
-        remedy: None,
-    }
+fn subject(remark: &RemarkV1) -> About {
+    remark.about.parse().unwrap_or(About::Record)
 }
 
 /// The warnings of a run, which every surface counts alike: the diagnosis of a stage without a result is none.
-pub fn warnings(concerns: &[ConcernV1]) -> impl Iterator<Item = &ConcernV1> {
+pub fn warnings(concerns: &[Concern]) -> impl Iterator<Item = &Concern> {
     concerns.iter().filter(|concern| !concern.is_no_result())
 }
 
 /// Of the warnings in their order those for the first screen: at most `SHOWN_FIRST`, none that is said elsewhere, none
 /// of a candidate that nobody recommends, no failed method; and how many are left of all.
 pub fn first_warnings<'a>(
-    concerns: &'a [ConcernV1],
-    is_said: impl Fn(&ConcernV1) -> bool,
+    concerns: &'a [Concern],
+    is_said: impl Fn(&Concern) -> bool,
     run: &Run,
     ranking: &Ranking,
-) -> (Vec<&'a ConcernV1>, usize) {
+) -> (Vec<&'a Concern>, usize) {
     let is_prominent =
-        |concern: &&ConcernV1| !is_of_a_failed_method(concern) && !is_of_another_candidate(concern, run, ranking);
+        |concern: &&Concern| !is_of_a_failed_method(concern) && !is_of_another_candidate(concern, run, ranking);
     let own = warnings(concerns).filter(|concern| !is_said(concern));
-    let first: Vec<&ConcernV1> = own.filter(is_prominent).take(SHOWN_FIRST).collect();
+    let first: Vec<&Concern> = own.filter(is_prominent).take(SHOWN_FIRST).collect();
     let others = warnings(concerns).count() - first.len();
     (first, others)
 }
 
 /// Whether a concern says why an identification method gave no model: such concerns have a list of their own.
-pub fn is_of_a_failed_method(concern: &ConcernV1) -> bool {
+pub fn is_of_a_failed_method(concern: &Concern) -> bool {
     matches!(concern.about.parse(), Ok(About::Method(_)))
 }
 
@@ -146,7 +174,7 @@ fn is_of_a_crash(about: &About) -> bool {
 }
 
 /// Whether a concern is of a candidate that nobody recommends: neither for predictions, nor as the simplest or closest.
-pub fn is_of_another_candidate(concern: &ConcernV1, run: &Run, ranking: &Ranking) -> bool {
+pub fn is_of_another_candidate(concern: &Concern, run: &Run, ranking: &Ranking) -> bool {
     match concern.about.parse() {
         Ok(About::Model(name)) => prominence_of_model(&name, run, ranking) == 1,
         _ => false,
@@ -181,54 +209,4 @@ fn prominence_of_model(name: &str, run: &Run, ranking: &Ranking) -> u8 {
     } else {
         1
     }
-}
-
-/// What follows from typed fields of the results, whatever the stages remarked.
-fn of_results(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<(About, Weight, String)> {
-    let phrases = &PHRASES.conclusion;
-    let mut found = Vec::new();
-    if kind == Kind::TwoVehicles {
-        found.push((About::Motion, Weight::Decisive, phrases.warn_two_vehicles.to_owned()));
-    }
-    let numbers = key_numbers(run);
-    let bound = numbers.iter().find(|number| number.is_lower_bound);
-    let is_of = |id: &&String| bound.is_some_and(|bound| bound.channels.contains(id));
-    let channels: Vec<&str> = run.clipped.iter().filter(is_of).map(String::as_str).collect();
-    if kind == Kind::Occupant && !channels.is_empty() {
-        let text = fill(phrases.warn_clipped, &[("channels", channels.join(", "))]);
-        found.push((About::Occupants, Weight::Decisive, text));
-    }
-    let crush = numbers.into_iter().find(|number| number.name == "dynamic_crush");
-    if let Some(spread) = crush.filter(KeyNumber::interval_misses_a_sensor).and_then(|crush| crush.spread) {
-        let mm = |m: f64| words::quantity(MILLI * m, 0, "mm");
-        let texts = [("count", spread.sensors().to_string()), ("low", mm(spread.low)), ("high", mm(spread.high))];
-        let text = fill(phrases.sensors_differ, &texts);
-        found.push((About::Motion, Weight::Marked, text));
-    }
-    if let Some(tests) = run.joint.as_ref().and_then(missed) {
-        let text = fill(PHRASES.joint.warn_missed, &[("tests", tests)]);
-        found.push((About::Predictions, Weight::Decisive, text));
-    }
-    if let Some(best) = ranking.best.as_deref().and_then(|id| run.candidate(id)) {
-        let model = candidate_name(&best.id);
-        let about = || About::Model(best.id.clone());
-        // In the order in which the verdict distrusts them.
-        if best.record.equivalent_to.is_some() {
-            found.push((about(), Weight::Marked, fill(phrases.warn_dual, &[("model", &model)])));
-        }
-        for (names, template, weight) in [
-            (best.record.undetermined(), phrases.warn_open, Weight::Decisive),
-            (best.record.parameters_of(Certainty::OrderOfMagnitude), phrases.warn_hardly, Weight::Marked),
-        ] {
-            if !names.is_empty() {
-                let names = symbols(&best.record, &names);
-                found.push((about(), weight, fill(template, &[("names", &names), ("model", &model)])));
-            }
-        }
-    }
-    if let Some(crush_m) = run.exceeded_tested_crush_m(|p| p.recommended) {
-        let text = fill(phrases.warn_extrapolates, &[("crush", words::quantity(MILLI * crush_m, 0, "mm"))]);
-        found.push((About::Predictions, Weight::Slight, text));
-    }
-    found
 }

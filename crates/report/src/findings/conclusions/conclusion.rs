@@ -3,14 +3,14 @@
 use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crate::phrases::PHRASES;
 use crate::phrases::words::{self, fill};
-use crumple_artifact::records::{ConcernV1, MetricV1, ModeV1, PredictedIntervalV1, PredictionV1, StabilizationV1};
+use crumple_artifact::records::{MetricV1, ModeV1, PredictedIntervalV1, PredictionV1, StabilizationV1};
 use crumple_signal::About;
 use crumple_signal::key_quantities::{CRUSH, DELTA_V, KeyQuantity, OLC, PEAK, STIFFNESS, STROKE};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::borrow::Cow;
 
-use crate::findings::conclusions::concerns::concerns;
+use crate::findings::conclusions::concerns::{Concern, concerns};
 use crate::findings::conclusions::key_numbers::in_ms;
 use crate::findings::conclusions::kind::{Kind, kind_of, lacks_mass_or_speed, not_stated};
 use crate::findings::conclusions::several_tests::{missed, several_tests};
@@ -108,7 +108,7 @@ impl Conclusion {
 }
 
 /// The verdict on a run and its concerns.
-pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<ConcernV1>) {
+pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<Concern>) {
     let kind = kind_of(run);
     let concerns = concerns(run, ranking, kind);
     let mut text = Text { run, ranking, numbers: Vec::new() };
@@ -256,7 +256,7 @@ impl<'a> Text<'a> {
         self.number(at, speed_m_per_s, (KM_PER_H_PER_M_PER_S, places, "km/h"))
     }
 
-    fn sentences(&mut self, kind: Kind, reason: &StatusReason, concerns: &[ConcernV1]) -> Vec<String> {
+    fn sentences(&mut self, kind: Kind, reason: &StatusReason, concerns: &[Concern]) -> Vec<String> {
         let phrases = &PHRASES.conclusion;
         match kind {
             Kind::NoModel => {

@@ -7,6 +7,7 @@ pub mod key_numbers;
 pub mod kind;
 mod occupants;
 pub mod overview;
+pub mod own_remarks;
 pub mod several_tests;
 pub mod status;
 pub mod summary;

@@ -1,10 +1,10 @@
 //! What the verdict says of occupants and of event data recorders.
 
-use crumple_artifact::records::ConcernV1;
 use crumple_signal::key_quantities::{
     CLIP_3MS, HIC15, HIC36, KeyQuantity, MAXIMUM_DELTA_V, RECORDED_CRUSH, RECORDED_EES, TIME_OF_MAXIMUM_DELTA_V,
 };
 
+use crate::findings::conclusions::concerns::Concern;
 use crate::findings::conclusions::conclusion::Text;
 use crate::findings::conclusions::key_numbers::sign_of;
 use crate::phrases::PHRASES;
@@ -25,7 +25,7 @@ impl Text<'_> {
         fill(PHRASES.conclusion.occupant, &[("place", place), ("criteria", &criteria)])
     }
 
-    pub(super) fn occupant_use(&self, concerns: &[ConcernV1]) -> String {
+    pub(super) fn occupant_use(&self, concerns: &[Concern]) -> String {
         let phrases = &PHRASES.conclusion;
         let partial = concerns.iter().any(|concern| concern.about == "occupants" && concern.stage != "report");
         fill(phrases.occupant_use, &[("bounds", if partial { phrases.lower_bounds } else { "" })])

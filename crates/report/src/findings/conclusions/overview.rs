@@ -7,12 +7,12 @@ use std::path::Path;
 
 use crate::drawing::numbers::{MILLI, digits_of_interval};
 use crate::phrases::words::fill;
-use crumple_artifact::records::{Certainty, ConcernV1, IntervalSourceV1};
+use crumple_artifact::records::{Certainty, IntervalSourceV1};
 use crumple_signal::About;
 use crumple_signal::key_quantities::{CRUSH, KeyQuantity, PEAK, STIFFNESS};
 use crumple_stage::{by_way, program};
 
-use crate::findings::conclusions::concerns::{decisive_warning, first_warnings, is_of_a_failed_method};
+use crate::findings::conclusions::concerns::{Concern, decisive_warning, first_warnings, is_of_a_failed_method};
 use crate::findings::conclusions::conclusion::Conclusion;
 use crate::findings::conclusions::kind::Kind;
 use crate::findings::conclusions::status::{Status, StatusReason};
@@ -70,18 +70,18 @@ pub fn overview(
     let decisive = decisive_warning(run, concerns).is_some();
     // The verdict names a decisive warning by its number among all.
     let said = if decisive { Vec::new() } else { said_already(ranking, verdict, concerns) };
-    let failed: Vec<&ConcernV1> = concerns.iter().filter(|concern| is_of_a_failed_method(concern)).collect();
-    let is_said = |concern: &ConcernV1| said.contains(&concern) || failed.contains(&concern);
+    let failed: Vec<&Concern> = concerns.iter().filter(|concern| is_of_a_failed_method(concern)).collect();
+    let is_said = |concern: &Concern| said.contains(&concern) || failed.contains(&concern);
     let (first, others) = first_warnings(concerns, is_said, run, ranking);
     // Methods that failed have lines of their own.
     let others = others - failed.len();
     for (number, concern) in first.iter().enumerate() {
         let label = if number == 0 { phrases.warnings_label } else { "" };
         // What makes all doubtful is said whole.
-        let text = format!("{}. {}", number + 1, concern.text);
+        let text = format!("{}. {}", number + 1, concern.with_code());
         lines.push(OverviewLine { may_be_cut: number > 0 || !decisive, ..line(label, text) });
     }
-    if !run.remarks.is_empty() {
+    if !run.contradictions.is_empty() {
         lines.push(line("", format!("{}: {} {}", phrases.explains, program("artifact explain"), folder.display())));
     }
     if others > 0 {
@@ -104,14 +104,14 @@ pub fn overview(
 
 /// Concerns of the report itself that status and sentences of the verdict say: sensors that differ, what is not known
 /// of the recommended model, else that it extrapolates; of two vehicles that the motion is no crush.
-fn said_already<'a>(ranking: &Ranking, verdict: &Conclusion, concerns: &'a [ConcernV1]) -> Vec<&'a ConcernV1> {
+fn said_already<'a>(ranking: &Ranking, verdict: &Conclusion, concerns: &'a [Concern]) -> Vec<&'a Concern> {
     let about = |what: &About| {
         let what = what.to_string();
         concerns.iter().find(|concern| concern.stage == "report" && concern.about == what)
     };
     let of_two = verdict.kind == Kind::TwoVehicles;
     let names_sensors = matches!(verdict.status_reason, Some(StatusReason::SensorsDiffer { .. }));
-    let mut said: Vec<&ConcernV1> = about(&About::Motion).filter(|_| of_two || names_sensors).into_iter().collect();
+    let mut said: Vec<&Concern> = about(&About::Motion).filter(|_| of_two || names_sensors).into_iter().collect();
     let best = ranking.best.as_deref().filter(|_| !of_two);
     said.extend(best.and_then(|id| about(&About::Model(id.to_owned())).or_else(|| about(&About::Predictions))));
     said

@@ -2,12 +2,12 @@
 
 use crate::phrases::PHRASES;
 use crate::phrases::words::fill;
-use crumple_artifact::records::{ConcernV1, PredictedIntervalV1, PredictionV1, StrengthV1};
+use crumple_artifact::records::{PredictedIntervalV1, PredictionV1, StrengthV1};
 use crumple_lumped::{ParameterKind, parameter_kind};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::findings::conclusions::concerns::decisive_warning;
+use crate::findings::conclusions::concerns::{Concern, decisive_warning};
 use crate::findings::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::findings::conclusions::kind::{Kind, lacks_mass_or_speed};
 use crate::findings::{CandidateResult, Model, Ranking, Run};
@@ -157,7 +157,7 @@ impl StatusReason {
 }
 
 /// The reason of the status of a run.
-pub fn status_reason(run: &Run, ranking: &Ranking, kind: Kind, concerns: &[ConcernV1]) -> StatusReason {
+pub fn status_reason(run: &Run, ranking: &Ranking, kind: Kind, concerns: &[Concern]) -> StatusReason {
     use StatusReason as Reason;
     match kind {
         Kind::NoModel => return Reason::NoResult,

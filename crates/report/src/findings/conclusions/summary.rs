@@ -3,14 +3,15 @@
 use std::collections::BTreeMap;
 
 use crumple_artifact::records::{
-    ConcernV1, EventsV1, FitV1, ImpactV1, IntervalSourceV1, MetricV1, ModeV1, PredictionV1, RemarkV1, SimulationV1,
-    UncertaintyV1,
+    EventsV1, FitV1, ImpactV1, IntervalSourceV1, MetricV1, ModeV1, PredictionV1, RemarkV1, SimulationV1, UncertaintyV1,
 };
 use crumple_signal::{Note, Severity};
+use crumple_stage::is_no_result;
 use schemars::JsonSchema;
 use serde::de::Error as _;
 use serde::{Deserialize, Serialize};
 
+use crate::findings::conclusions::concerns::{Concern, remarks};
 use crate::findings::conclusions::conclusion::{Conclusion, conclusion};
 use crate::findings::conclusions::distinct_curves::{DistinctCurve, distinct_curves};
 use crate::findings::conclusions::key_numbers::{KeyNumber, key_numbers};
@@ -82,8 +83,8 @@ pub struct Summary {
     pub predictions: Vec<PredictionV1>,
     /// What speaks against the results, gravest first. Weights go from 1 to 9: what it changes (1 to 3) times how
     /// prominently the page shows that (1 to 3).
-    pub concerns: Vec<ConcernV1>,
-    /// What the results contradict each other in, with codes and values: `crumple explain CODE`.
+    pub concerns: Vec<Concern>,
+    /// What the stages and the report remark, with codes and values, strongest first: `crumple explain CODE`.
     pub remarks: Vec<RemarkV1>,
     /// `stage: text`.
     pub notes: Vec<String>,
@@ -217,12 +218,12 @@ pub struct MatchingSummary {
 /// channel.
 pub fn summary(run: &Run, ranking: &Ranking) -> Summary {
     let (verdict, concerns) = conclusion(run, ranking);
+    let verdict_kind = verdict.kind;
     let channel = run.channel_id();
     let choice = run.recommendation.as_ref();
     let test = &run.test;
     let best = ranking.best.as_deref().and_then(|id| run.candidate(id));
     let owned = |names: Vec<&str>| names.into_iter().map(str::to_owned).collect();
-    let is_warning = |note: &&crate::findings::StageNote| note.note.severity == Severity::Warning;
     Summary {
         schema: SCHEMA.to_owned(),
         pipeline: run.pipeline.clone(),
@@ -274,14 +275,20 @@ pub fn summary(run: &Run, ranking: &Ranking) -> Summary {
             physical: candidate.record.physical,
         }),
         predictions: run.predictions.clone(),
+        remarks: remarks(run, ranking, verdict_kind, &concerns),
         concerns,
-        remarks: run.remarks.clone(),
-        notes: run.notes.iter().map(|note| format!("{}: {}", note.stage, note.note)).collect(),
-        warnings: Some(run.notes.iter().filter(is_warning).count()),
+        notes: run.remarks.iter().filter(|remark| !is_no_result(remark)).map(as_text).collect(),
+        warnings: Some(run.remarks.iter().filter(|remark| remark.is_warning() && !is_no_result(remark)).count()),
         other_channels: owned(test.channels.iter().map(|c| c.id.as_str()).filter(|id| Some(*id) != channel).collect()),
         missing: run.missing.clone(),
         programs: run.provenance.iter().filter_map(|record| record.program.clone()).collect(),
     }
+}
+
+/// `ingest: warning: text`.
+fn as_text(remark: &RemarkV1) -> String {
+    let warning = if remark.is_warning() { "warning: " } else { "" };
+    format!("{}: {warning}{}", remark.stage, remark.text)
 }
 
 /// A simulation without what its artifact has for pictures: the residual with its autocorrelation, and the band.

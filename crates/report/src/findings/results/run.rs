@@ -5,13 +5,14 @@ use std::collections::BTreeMap;
 use crate::phrases::PHRASES;
 use crate::phrases::words::fill;
 use crumple_artifact::records::{
-    CandidateV1, Certainty, ChannelFilterV1, ConcernV1, Doubt, EventsV1, EvidenceV1, IdentificationV1, ImpactV1,
-    MatchingV1, MetricV1, ModeV1, OtherPoleKindV1, OtherPoleV1, PredictionV1, RatedCandidateV1, RecommendationV1,
-    RemarkV1, ResponseV1, SelectionV1, SimulationV1, StabilizationV1, StateSpaceV1, TransferFunctionV1,
+    CandidateV1, Certainty, ChannelFilterV1, Doubt, EventsV1, EvidenceV1, IdentificationV1, ImpactV1, MatchingV1,
+    MetricV1, ModeV1, OtherPoleKindV1, OtherPoleV1, PredictionV1, RatedCandidateV1, RecommendationV1, RemarkV1,
+    ResponseV1, SelectionV1, SimulationV1, StabilizationV1, StateSpaceV1, TransferFunctionV1,
 };
 use crumple_lumped::{ParameterKind, parameter_kind};
-use crumple_signal::{Axis, Channel, Note, Sampled, TestDescription};
+use crumple_signal::{Axis, Channel, Sampled, TestDescription};
 use crumple_stage::Pipeline;
+use crumple_stage::is_no_result;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -58,14 +59,12 @@ pub struct Run {
     pub candidates: Vec<CandidateResult>,
     /// Number of responses in the simulate stage's artifact; `None`: there is no such artifact.
     pub responses: Option<usize>,
-    /// What the stages remarked, in stage order, each text once.
-    pub notes: Vec<StageNote>,
+    /// What the stages remarked, in stage order, of each the strongest first; each remark once.
+    pub remarks: Vec<RemarkV1>,
     /// Channels that may be clipped, as ingest found.
     pub clipped: Vec<String>,
-    /// What speaks against the results, as the stages wrote it, in stage order.
-    pub concerns: Vec<ConcernV1>,
-    /// What the results contradict each other in, with codes and values.
-    pub remarks: Vec<RemarkV1>,
+    /// What the results contradict each other in.
+    pub contradictions: Vec<RemarkV1>,
     /// Where the artifacts came from, in stage order.
     pub provenance: Vec<StageRecord>,
     /// Why a stage has a result but not what later ones work on: nothing was to be simulated.
@@ -368,15 +367,6 @@ pub struct Element {
     pub deflection: Vec<f64>,
 }
 
-/// A remark and the stage that made it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct StageNote {
-    /// The stage, e.g. `ingest`.
-    pub stage: String,
-    /// The remark.
-    pub note: Note,
-}
-
 /// One artifact's origin.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct StageRecord {
@@ -523,7 +513,12 @@ impl Run {
 
     /// Whether a stage has said that it has no acceptable result and no reason why that is one.
     pub fn without_result(&self) -> bool {
-        self.without.is_none() && self.concerns.iter().any(ConcernV1::is_no_result)
+        self.without.is_none() && self.remarks.iter().any(is_no_result)
+    }
+
+    /// What is good to know of it.
+    pub fn infos(&self) -> impl Iterator<Item = &RemarkV1> {
+        self.remarks.iter().filter(|remark| !remark.is_warning())
     }
 
     /// Whether candidates were to be simulated and not one of them came through.
