@@ -143,9 +143,9 @@ async function open(path) {
   for (const { stage, input } of fields) if (stage === "ingest") input.value = "";
   flags.ingest = [];
   element("channel").replaceChildren();
-  const concerns = await ingest();
+  const warnings = await ingest();
   const lacks = { mass: record.test.mass_kg == null, "impact-speed": record.test.impact_speed_m_per_s == null };
-  const asked = concerns.filter(({ about }) => lacks[about]).map(({ about }) => about.replace("-", "_"));
+  const asked = warnings.filter(({ about }) => lacks[about]).map(({ about }) => about.replace("-", "_"));
   if (!asked.length) return runChain();
   ask([...asked, "channel"]);
   show("asking", `${path}: state what the record lacks`);
@@ -185,7 +185,7 @@ async function ingest() {
   record.test = of("/test");
   element("read").textContent = err;
   await showPulse(to);
-  return of("/concerns")?.concerns ?? [];
+  return (of("/remarks")?.remarks ?? []).filter(({ weight }) => weight > 0);
 }
 
 // Draws the pulse, and lists the channels that may stand in its place.

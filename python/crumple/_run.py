@@ -21,6 +21,23 @@ if TYPE_CHECKING:
 
 Paths = str | os.PathLike[str]
 Quantity = float | str | None
+REMARK = ("code", "stage", "about", "weight", "text")
+
+
+class Remarks(list[Record]):
+    """The remarks of a run, strongest first; a table in a notebook."""
+
+    def table(self) -> pandas.DataFrame:
+        """A row a remark: code, stage, about, weight, text."""
+        import pandas
+
+        return pandas.DataFrame([{name: one[name] for name in REMARK} for one in self], columns=list(REMARK))
+
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        rows = ("<tr>" + "".join(f"<td>{escape(str(one[name]))}" for name in REMARK) for one in self)
+        return "<table><tr>" + "".join(f"<th>{name}" for name in REMARK) + "".join(rows) + "</table>"
 
 
 class Run:
@@ -50,6 +67,16 @@ class Run:
         return "\n".join([verdict["status_sentence"], *verdict["sentences"]])
 
     @property
+    def record(self) -> str:
+        """Whether the record is sound: `sound`, `check` or `wrong`."""
+        return str(self.summary["verdict"]["record"])
+
+    @property
+    def good_for(self) -> list[dict[str, Any]]:
+        """What the answers are good for, e.g. `[{"kind": "measured-quantities"}, ...]`; empty: for nothing."""
+        return list(self.summary["verdict"]["good_for"])
+
+    @property
     def candidates(self) -> list[Record]:
         """Every model that was solved for."""
         return [Record("crumple.summary.v1", **one) for one in self.summary["candidates"]]
@@ -61,8 +88,13 @@ class Run:
 
     @property
     def notes(self) -> list[str]:
-        """Warnings and remarks of all stages."""
+        """Warnings and remarks of all stages as texts."""
         return list(self.summary["notes"])
+
+    @property
+    def remarks(self) -> Remarks:
+        """What the run remarks, strongest first: `code`, `stage`, `about`, `weight`, `values`, `text`, `remedy`."""
+        return Remarks(Record("crumple.summary.v1", **one) for one in self.summary["remarks"])
 
     @functools.cached_property
     def _waves(self) -> dict[str, Wave]:

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crumple_artifact::records::{ConcernsV2, MetricsV2, ModesV2};
+use crumple_artifact::records::{ConcernsV2, MetricsV2, ModesV2, RemarksV1};
 use crumple_artifact::{
     Artifact, JsonForm, Provenance, RawRecord, ReadError, Record, WAVE_PREFIX, Wave, blake3_text, same_type,
 };
@@ -192,6 +192,34 @@ fn compare_records(
     })
 }
 
+/// Remarks as they are compared: by code, equal where subject, weight and values are. Of a sentence without a code, and
+/// of texts among the values, other numbers are no difference, as in notes.
+pub fn remarks_by_code(remarks: &Value) -> Value {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut all = Vec::new();
+    for remark in remarks.as_array().into_iter().flatten() {
+        let code = remark["code"].as_str().unwrap_or_default();
+        let count = counts.entry(code).or_default();
+        *count += 1;
+        let id = match (code, *count) {
+            ("", n) => format!("without code {n}"),
+            (code, 1) => code.to_owned(),
+            (code, n) => format!("{code} {n}"),
+        };
+        let no_values = serde_json::Map::new();
+        let stated = remark["values"].as_object().unwrap_or(&no_values);
+        let (values, texts): (Vec<_>, Vec<_>) = stated.iter().partition(|(_, value)| value.is_number());
+        let values: serde_json::Map<String, Value> = values.into_iter().map(|(k, v)| (k.clone(), v.clone())).collect();
+        let mut notes: Vec<&Value> = texts.into_iter().map(|(_, text)| text).collect();
+        if code.is_empty() {
+            notes.push(&remark["text"]);
+        }
+        let (about, weight) = (&remark["about"], &remark["weight"]);
+        all.push(json!({"id": id, "about": about, "weight": weight, "values": values, "notes": notes}));
+    }
+    Value::from(all)
+}
+
 /// The list that the record is, and nothing besides: compared as that list, whatever its version.
 fn list_of(raw: &RawRecord) -> Option<&'static str> {
     let lists = [(MetricsV2::SCHEMA, "metrics"), (ModesV2::SCHEMA, "modes"), (ConcernsV2::SCHEMA, "concerns")];
@@ -208,6 +236,9 @@ fn json_of(artifact: &Artifact, raw: &RawRecord) -> Result<Option<Value>, ReadEr
     match artifact.json_text(raw, JsonForm::Line)? {
         Some(text) => {
             let mut value: Value = serde_json::from_str(&text).map_err(|error| message(error.to_string()))?;
+            if same_type(RemarksV1::SCHEMA, &raw.schema) {
+                return Ok(Some(remarks_by_code(value.get("remarks").unwrap_or(&value))));
+            }
             let list = list_of(raw).and_then(|name| value.get_mut(name)).map(Value::take);
             Ok(Some(list.unwrap_or(value)))
         }

@@ -16,7 +16,7 @@ mod texts;
 mod tolerances;
 
 pub use allowed::{SAME_SHARE, Tolerance};
-pub use artifact::{compare_artifacts, open_candidates};
+pub use artifact::{compare_artifacts, open_candidates, remarks_by_code};
 pub use crumple_artifact::ToleranceRule;
 pub use differences::{Comparison, Difference, FileReport, NotCompared, Reason, Side, Step, TopicReport};
 pub use error::DiffError;

@@ -5,7 +5,7 @@ use crumple_metrics::{Beginning, CutRise, Onset, contact_edge, edr_start, onset,
 use crumple_signal::value::Time;
 use crumple_signal::{
     About, Acceleration, Cfc, Class, Contact, Distribution, FilterSettings, Notes, STANDARD_GRAVITY_M_PER_S2, Sampled,
-    Signal, Spread, Uncertain, Weight, ZeroLevel, filter,
+    Signal, Spread, Uncertain, Weight, ZeroLevel, filter, remarks,
 };
 
 use crate::recording::content::Recording;
@@ -57,7 +57,7 @@ pub fn settle(
     let auto = settings.time_zero == Some(TimeZero::Auto) || settings.time_zero_rule == Some(ContactRule::Auto);
     let found = match (&settings.time_zero_rule, stated) {
         (_, Some(Stated { value, from })) if !auto => {
-            notes.info(format!("time zero is {value} s of the file's axis, stated by {from}"));
+            notes.push(StatedZero { time_zero_s: *value, from: from.clone() });
             Some(contact(format!("stated by {from}"), *value))
         }
         (Some(rule), _) if !auto => Some(by_rule(file, rule, recording, wave.as_ref(), stated_spread, notes)?),
@@ -71,8 +71,9 @@ pub fn settle(
     };
     let found = found.map(|contact| match begins {
         Some(Beginning::Inside(cut)) => {
-            notes.concern(About::Time, Weight::Marked, cut_text(cut));
-            Contact { earlier_by_s: cut_lead_s(cut), ..contact }
+            let missing_s = cut_lead_s(cut);
+            notes.push(CutBeginning { level_m_per_s2: cut.first_m_per_s2.abs(), missing_s });
+            Contact { earlier_by_s: missing_s, ..contact }
         }
         _ => contact,
     });
@@ -107,15 +108,6 @@ fn cut_lead_s(cut: CutRise) -> f64 {
     if cut.lead_s > 0.0 { (CUT * cut.lead_s).min(LONGEST_CUT_S) } else { LONGEST_CUT_S }
 }
 
-fn cut_text(cut: CutRise) -> String {
-    format!(
-        "the record begins inside the pulse, at {:.1} g: crush and delta-v are lower bounds, up to {:.0} ms are \
-         missing. Give the record from before contact",
-        (cut.first_m_per_s2 / STANDARD_GRAVITY_M_PER_S2).abs(),
-        1e3 * cut_lead_s(cut)
-    )
-}
-
 /// Standard deviation of a spread, s.
 fn deviation_of(stated: Option<Spread>) -> f64 {
     stated.map_or(0.0, Spread::deviation)
@@ -134,10 +126,7 @@ fn automatic(
     notes: &mut Notes,
 ) -> Option<Contact> {
     let of_file = |notes: &mut Notes| {
-        match wave.index_at_or_after(0.0) {
-            0 => notes.info("the record starts at t = 0, taken as time zero; --time-zero states another"),
-            before => notes.info(format!("time zero is t = 0 of the file, {before} samples after its start")),
-        }
+        notes.push(ZeroOfFile { samples_before: wave.index_at_or_after(0.0) });
         Some(Contact { rule: "file".to_owned(), source_time_s: 0.0, uncertainty_s: stated, earlier_by_s: 0.0 })
     };
     let Onset { time_s, deviation_s } = match begins {
@@ -160,10 +149,7 @@ fn automatic(
             return Some(contact);
         }
         // A soft front, or a t = 0 that is not contact: nothing tells, and the intervals hold both.
-        notes.info(format!(
-            "the pulse begins {:.1} ms after time zero: contact may be as late, and the intervals hold it",
-            1e3 * time_s
-        ));
+        notes.push(LateBeginning { begins_s: time_s });
         let size = (HOLDS * time_s / NINETY_PERCENT).hypot(deviation_of(stated));
         let uncertainty_s = Some(Spread { size, distribution: Distribution::Normal });
         return Some(Contact { uncertainty_s, ..contact });
@@ -172,18 +158,8 @@ fn automatic(
     let deviation_s = deviation_s.hypot(deviation_of(stated));
     // To the microsecond, as the flag states it.
     let source_time_s = (time_s * 1e6).round() / 1e6;
-    notes.concern(
-        About::Time,
-        Weight::Slight,
-        format!(
-            "contact is taken at {:.1} ms of the file, where the pulse begins (+-{:.1} ms): nothing in the file states \
-             it. A soft front may have touched up to {:.0} ms earlier. --time-zero {:.3}ms states it",
-            1e3 * source_time_s,
-            1e3 * NINETY_PERCENT * deviation_s,
-            1e3 * SOFT_FRONT_S,
-            1e3 * source_time_s,
-        ),
-    );
+    let interval_s = NINETY_PERCENT * deviation_s;
+    notes.push(FoundContact { contact_s: source_time_s, interval_s, earlier_s: SOFT_FRONT_S });
     Some(Contact {
         rule: "auto".to_owned(),
         source_time_s,
@@ -264,12 +240,12 @@ fn by_rule(
             "state it, such as --time-zero 0s, or leave the rule out",
         );
     };
-    notes.info(format!(
-        "time zero by rule {rule} at {:.3} ms of the file; contact may be {:.2} ms earlier or {:.2} ms later",
-        1e3 * estimate.time_s,
-        1e3 * estimate.earlier_by_s,
-        1e3 * estimate.later_by_s
-    ));
+    notes.push(ContactByRule {
+        rule: rule.to_string(),
+        contact_s: estimate.time_s,
+        earlier_s: estimate.earlier_by_s,
+        later_s: estimate.later_by_s,
+    });
     // The rule's own range and what is stated are independent.
     let half_width = estimate.earlier_by_s.max(estimate.later_by_s);
     let deviation_s = (half_width / 3.0_f64.sqrt()).hypot(deviation_of(stated));
@@ -321,13 +297,100 @@ fn question(contact: &Contact, (wave, onset): (&Sampled, Onset), is_of_format: b
         return;
     }
     let side = if is_early { "before" } else { "after" };
-    notes.concern_first(
-        About::Time,
-        format!(
-            "the pulse begins {:.1} ms {side} contact ({}): --time-zero {:.3}ms takes its beginning for contact",
-            1e3 * late_s.abs(),
-            contact.rule,
-            1e3 * begins_s
-        ),
+    notes.push_first(BeginsElsewhere { off_s: late_s.abs(), side, rule: contact.rule.clone(), begins_s });
+}
+
+remarks! {
+    /// Remarks of contact.
+    pub REMARKS;
+
+    /// Contact is stated.
+    CR132 StatedZero { time_zero_s: f64, from: String }
+    bears on (About::Time, Weight::None)
+    decided "--time-zero, the sidecar or the header states it, on the time axis of the file."
+    means "All times count from this instant, and the velocity there is the impact speed."
+    remedy "nothing; --time-zero auto takes the beginning of the pulse instead"
+    says format!("time zero is {time_zero_s} s of the file's axis, stated by {from}");
+
+    /// The record begins inside the pulse.
+    CR133 CutBeginning { level_m_per_s2: f64, missing_s: f64 }
+    bears on (About::Time, Weight::Marked)
+    decided "The first sample is more than 1.5 g away from rest; sound records reach 1.1 g. The missing time follows \
+             from the rise of the first samples and is 30 ms at most."
+    means "The loss of speed before the first sample is missing: crush and delta-v are lower bounds."
+    remedy "export the record from before contact on"
+    says format!(
+        "the record begins inside the pulse, at {:.1} g: crush and delta-v are lower bounds, up to {:.0} ms are \
+         missing. Give the record from before contact",
+        level_m_per_s2 / STANDARD_GRAVITY_M_PER_S2,
+        1e3 * missing_s
+    );
+
+    /// Contact is t = 0 of the file.
+    CR134 ZeroOfFile { samples_before: usize }
+    bears on (About::Time, Weight::None)
+    decided "The pulse begins there: at most 1 ms before t = 0 and 5 ms after it, or as far as its beginning is \
+             uncertain. A record in which no pulse shows keeps its t = 0, as does one that begins inside the pulse."
+    means "Times stay as they are in the file."
+    remedy "nothing; --time-zero states another contact"
+    says match samples_before {
+        0 => "the record starts at t = 0, taken as time zero; --time-zero states another".to_owned(),
+        before => format!("time zero is t = 0 of the file, {before} samples after its start"),
+    };
+
+    /// The pulse begins a little after t = 0 of the file.
+    CR135 LateBeginning { begins_s: f64 }
+    bears on (About::Time, Weight::None)
+    decided "It begins up to 5 ms after t = 0, and later than the error of its beginning explains. A soft front does \
+             that, or a t = 0 that is not contact."
+    means "The intervals of crush and times hold both contacts."
+    remedy "state contact by --time-zero if you know it: the intervals become narrower"
+    says format!(
+        "the pulse begins {:.1} ms after time zero: contact may be as late, and the intervals hold it",
+        1e3 * begins_s
+    );
+
+    /// Nothing states contact; it is taken where the pulse begins.
+    CR136 FoundContact { contact_s: f64, interval_s: f64, earlier_s: f64 }
+    bears on (About::Time, Weight::Slight)
+    decided "The rise of the pulse is traced back to the level before it. +- is its 90 % interval. The compartment of \
+             a car begins to slow down up to 4 ms after contact: four floor sensors of NHTSA 10146 need 2.6 to 2.9 ms."
+    means "Times and crush count from there. The interval of crush holds an earlier contact."
+    remedy "state contact by --time-zero, or name a contact switch: --time-zero-rule contact:CHANNEL"
+    says format!(
+        "contact is taken at {:.1} ms of the file, where the pulse begins (+-{:.1} ms): nothing in the file states it. \
+         A soft front may have touched up to {:.0} ms earlier. --time-zero {:.3}ms states it",
+        1e3 * contact_s,
+        1e3 * interval_s,
+        1e3 * earlier_s,
+        1e3 * contact_s
+    );
+
+    /// Contact was found by the rule that was asked for.
+    CR137 ContactByRule { rule: String, contact_s: f64, earlier_s: f64, later_s: f64 }
+    bears on (About::Time, Weight::None)
+    decided "--time-zero-rule: threshold is 0.5 g held for 3 ms, edr a change of velocity of 0.8 km/h in 20 ms (49 CFR \
+             563.5), contact the edge of a switch."
+    means "Intervals of times and crush hold the range in which the rule may be wrong."
+    remedy "nothing; leave the rule out to take the beginning of the pulse"
+    says format!(
+        "time zero by rule {rule} at {:.3} ms of the file; contact may be {:.2} ms earlier or {:.2} ms later",
+        1e3 * contact_s,
+        1e3 * earlier_s,
+        1e3 * later_s
+    );
+
+    /// The pulse does not begin at the contact that was stated or found.
+    CR138 BeginsElsewhere { off_s: f64, side: &'static str, rule: String, begins_s: f64 }
+    bears on (About::Time, Weight::Decisive)
+    decided "It begins more than 20 ms after contact, or more than 1 ms and three deviations before it with a force \
+             that acts until then. A format that defines t = 0 as contact may be late."
+    means "Contact seems to be wrong: the vehicle would move at its impact speed for too long or too short, and crush \
+           is wrong by that way."
+    remedy "check time zero; --time-zero auto takes the beginning of the pulse"
+    says format!(
+        "the pulse begins {:.1} ms {side} contact ({rule}): --time-zero {:.3}ms takes its beginning for contact",
+        1e3 * off_s,
+        1e3 * begins_s
     );
 }

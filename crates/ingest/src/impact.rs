@@ -2,7 +2,9 @@
 //! t = 0 and the speed that the vehicle then has.
 
 use crumple_metrics::{PulseImpact, impacts};
-use crumple_signal::{About, Contact, Notes, QuantityKind, Sampled, Signal, Velocity, Weight, part_of, pre_event};
+use crumple_signal::{
+    About, Contact, Notes, QuantityKind, Sampled, Signal, Velocity, Weight, part_of, pre_event, remarks,
+};
 
 use crate::recording::content::Recording;
 use crate::recording::details::{Stated, is_alone};
@@ -56,25 +58,14 @@ pub fn take(
         return Ok(());
     };
     let (number, start_speed) = (taken + 1, impact.start_velocity_m_per_s);
-    notes.concern(
-        About::Motion,
-        Weight::Slight,
-        format!(
-            "the pulse holds {} impacts: {}. Impact {number} is taken{}: t = 0 is its contact, {:.1} ms after the \
-             first{}. --impact 1 takes the first",
-            all.len(),
-            (1..).zip(&all).map(|(number, impact)| impact.words_with_peak(number)).collect::<Vec<_>>().join("; "),
-            if asked.is_some() { ", as asked" } else { ", because it stops the vehicle" },
-            1e3 * impact.start_s,
-            match speed {
-                None => String::new(),
-                Some(_) if start_speed > 0.0 => {
-                    format!(", and the impact speed is {:.1} km/h, that of then", 3.6 * start_speed)
-                }
-                Some(_) => format!(", when the vehicle moves back at {:.1} km/h: no impact speed", -3.6 * start_speed),
-            }
-        ),
-    );
+    notes.push(LaterImpact {
+        impacts: all.len(),
+        list: (1..).zip(&all).map(|(number, impact)| impact.words_with_peak(number)).collect::<Vec<_>>().join("; "),
+        number,
+        why: if asked.is_some() { "as asked" } else { "because it stops the vehicle" },
+        start_s: impact.start_s,
+        speed_m_per_s: speed.map(|_| start_speed),
+    });
     for channel in &mut recording.channels {
         let Some(wave) = &channel.wave else { continue };
         let level = match channel.channel.quantity {
@@ -123,4 +114,33 @@ fn stopping(all: &[PulseImpact], velocity: &Signal<Velocity>, speed_m_per_s: Opt
         Some(impact) if last > 0 && stop_s <= impact.end_s && impact.start_velocity_m_per_s > STOPPED * speed => last,
         _ => 0,
     }
+}
+
+remarks! {
+    /// Remarks of pulses with several impacts.
+    pub REMARKS;
+
+    /// The pulse holds several impacts, and a later one than the first is taken.
+    CR139 LaterImpact {
+        impacts: usize, list: String, number: usize, why: &'static str, start_s: f64, speed_m_per_s: Option<f64>
+    }
+    bears on (About::Motion, Weight::Slight)
+    decided "An impact changes the velocity by more than 0.8 km/h and 5 % of the strongest; 15 ms without a force \
+             (below 1 g) part two. --impact names one, else it is the one in which the velocity first reaches zero, if \
+             the vehicle begins it with more than 5 % of the impact speed."
+    means "Crush and models are those of this impact. Samples before it are left out, and the impact speed is the \
+           speed that is left at its start."
+    remedy "nothing; --impact 1 takes the first impact"
+    says {
+        let speed = match speed_m_per_s {
+            None => String::new(),
+            Some(speed) if *speed > 0.0 => format!(", and the impact speed is {:.1} km/h, that of then", 3.6 * speed),
+            Some(speed) => format!(", when the vehicle moves back at {:.1} km/h: no impact speed", -3.6 * speed),
+        };
+        format!(
+            "the pulse holds {impacts} impacts: {list}. Impact {number} is taken, {why}: t = 0 is its contact, {:.1} \
+             ms after the first{speed}. --impact 1 takes the first",
+            1e3 * start_s
+        )
+    };
 }

@@ -5,6 +5,7 @@ use crumple_metrics::{Exchange, Plausibility, plausibility};
 use crumple_signal::value::Time;
 use crumple_signal::{
     About, Channel, KindOfTest, Notes, Source, TestDescription, TestKind, Weight, is_mass_of_a_vehicle, part_of,
+    remarks,
 };
 
 use crate::checks::exchanges::Answer;
@@ -16,7 +17,7 @@ use crate::pulse::Polarity;
 use crate::recording::content::{ReadChannel, Recording, Wave};
 use crate::recording::details::{self, Details, Stated};
 use crate::recording::{content, settings};
-use crate::{IngestError, IngestSettings, Result, Sign, contact, impact, kind, pulse, refuse, wall};
+use crate::{IngestError, IngestSettings, Result, contact, impact, kind, pulse, refuse, wall};
 
 /// Result of the stage.
 #[derive(Debug, Clone)]
@@ -68,9 +69,9 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
         None => read(bundle, &answer.settings).is_ok_and(|read| read.plausibility == Some(Plausibility::Consistent)),
     };
     let answer = answers.iter().find(|answer| mends(answer)).map(|answer| answer.flag.as_str());
-    if let Some((about, question)) = exchanges::question(plausibility, answer, speed) {
-        refuse_slow_times(bundle, &ingested, answer, &question)?;
-        ingested.notes.concern_first(about, question);
+    if let Some(question) = exchanges::question(plausibility, answer, speed) {
+        refuse_slow_times(bundle, &ingested, answer, &question.text)?;
+        ingested.notes.push_first(question);
         ingested.test.exchange_asked = true;
     }
     Ok(ingested)
@@ -114,11 +115,7 @@ fn proven_unit_of_time(bundle: &Bundle, flags: &IngestSettings, error: IngestErr
         let Ok(mut ingested) = read(bundle, &tried) else { continue };
         let speed = ingested.test.impact_speed_m_per_s;
         let Some(speed) = speed.filter(|_| ingested.plausibility == Some(Plausibility::Consistent)) else { continue };
-        ingested.notes.info(format!(
-            "{error}. It is {unit}: with it the pulse stops the vehicle from {:.1} km/h. A unit 1000 times longer or \
-             shorter would change the velocity 1000 times more or less. --time-unit overrides",
-            3.6 * speed
-        ));
+        ingested.notes.push(ProvenTimeUnit { reason: error.to_string(), unit, impact_speed_m_per_s: speed });
         return Ok(ingested);
     }
     Err(error)
@@ -175,7 +172,8 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
         contact::settle(file, &mut recording, (pulse, is_of_occupant, reader.format), &choices, &mut notes)?;
     times_in_range(file, &recording)?;
     velocity.into_iter().for_each(|k| pulse::speed_at_contact(&mut recording, k, &mut notes));
-    let is_turned = turn_sign(file, &mut recording, pulse, choices.sign.unwrap_or_default(), &mut notes)?;
+    let is_turned = pulse::turn_sign(&mut recording, pulse, choices.sign.unwrap_or_default(), &mut notes)
+        .map_err(|error| overflow(file, &error.to_string()))?;
     impact::take(file, &mut recording, pulse, choices.impact, &mut contact, &mut notes)?;
     let code = pulse.and_then(|k| recording.channels[k].channel.code.clone());
     let pulse_id = pulse.map(|k| recording.channels[k].channel.id.clone());
@@ -231,6 +229,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
         contact,
         exchange_asked: false,
         kind: kind.map(KindOfTest::from),
+        overlap: details.overlap.map(|stated| stated.value),
     };
     let closing_speed_m_per_s = details.closing_speed_m_per_s;
     Ok(Ingested { test, waves, damage, vehicles, closing_speed_m_per_s, plausibility, notes })
@@ -273,43 +272,16 @@ fn missing_details(
     let is_missing = details.mass_kg.is_none() || details.impact_speed_m_per_s.is_none();
     if is_of_occupant {
         if is_missing {
-            notes.info("mass and impact speed are not both stated: the criteria of an occupant need neither");
+            notes.push(NeedsNeither { kind: None });
         }
     // A component has a structure once its mass is stated.
     } else if let Some(kind) = kind.filter(|kind| matches!(kind, TestKind::Sled | TestKind::Catapult)) {
         if is_missing {
-            notes.info(format!("mass and impact speed are not both stated: a {} needs neither", kind.name()));
+            notes.push(NeedsNeither { kind: Some(kind.name()) });
         }
     } else {
         details::note_missing(details, has_comments, from_rest, notes);
     }
-}
-
-/// Turns the sign of the accelerations along x where that is asked for, or certainly wrong; says whether it did.
-fn turn_sign(
-    file: &str,
-    recording: &mut Recording,
-    pulse: Option<usize>,
-    sign: Sign,
-    notes: &mut Notes,
-) -> Result<bool> {
-    let why = match sign {
-        Sign::Keep => return Ok(false),
-        Sign::Flip => "sign of acceleration turned, as asked".to_owned(),
-        Sign::Auto => {
-            let speed = recording.details.impact_speed_m_per_s.as_ref().map(|s| s.value);
-            let wave = pulse.and_then(|k| recording.channels[k].wave.as_ref());
-            let (is_wrong, why) = pulse::certainly_wrong(wave, speed);
-            if !is_wrong {
-                notes.info(why);
-                return Ok(false);
-            }
-            why
-        }
-    };
-    let count = pulse::flip(&mut recording.channels).map_err(|error| overflow(file, &error.to_string()))?;
-    notes.info(format!("{why}: {count} channel{}", if count == 1 { "" } else { "s" }));
-    Ok(true)
 }
 
 /// The channels with data, with their quality as measured.
@@ -330,12 +302,7 @@ fn facts_of_its_vehicle(recording: &mut Recording, pulse: usize, notes: &mut Not
     let numbers: Vec<String> = details.vehicles.iter().map(|vehicle| vehicle.number.to_string()).collect();
     let others: Vec<&String> = numbers.iter().filter(|number| **number != own.number.to_string()).collect();
     let other = others.first().map_or("", |number| number.as_str());
-    notes.info(format!(
-        "vehicles {} meet: mass, speed and description are those of vehicle {}, which carries the pulse; --vehicle \
-         {other} takes the other",
-        numbers.join(" and "),
-        own.number
-    ));
+    notes.push(VehiclesMeet { numbers: numbers.join(" and "), vehicle: own.number, other: other.to_owned() });
     let of = |value| Stated { value, from: format!("the entry of vehicle {}", own.number) };
     let words = own.description.clone();
     details.vehicle = words.map(|value| Stated { value, from: format!("the entry of vehicle {}", own.number) });
@@ -353,14 +320,12 @@ fn speed_of_the_pulse(recording: &mut Recording, pulse: usize, notes: &mut Notes
     let Some(speed) = channel.initial_velocity_m_per_s.map(f64::abs).filter(|v| *v > 0.0) else { return };
     let stated = &mut recording.details.impact_speed_m_per_s;
     if let Some(old) = stated.as_ref().filter(|old| (old.value - speed).abs() > 0.01 * speed) {
-        notes.concern(
-            About::ImpactSpeed,
-            Weight::Marked,
-            format!(
-                "initial velocity of channel {} is {speed:.4} m/s, {} is {:.4} m/s: the first is used",
-                channel.id, old.from, old.value
-            ),
-        );
+        notes.push(TwoSpeeds {
+            channel: channel.id.clone(),
+            speed_m_per_s: speed,
+            other_from: old.from.clone(),
+            other_m_per_s: old.value,
+        });
     }
     *stated = Some(Stated { value: speed, from: format!("the initial velocity of channel {}", channel.id) });
 }
@@ -386,4 +351,56 @@ fn times_in_range(file: &str, recording: &Recording) -> Result<()> {
 
 fn overflow(file: &str, found: &str) -> IngestError {
     IngestError::content(file, found, "finite numbers", "correct the record, or --time-zero")
+}
+
+remarks! {
+    /// Remarks of the whole record.
+    pub REMARKS;
+
+    /// No unit of time is stated, and the impact speed proves it.
+    CR141 ProvenTimeUnit { reason: String, unit: &'static str, impact_speed_m_per_s: f64 }
+    bears on (About::Time, Weight::None)
+    decided "ms and us are tried. One of them gives a pulse that stops the vehicle from its impact speed: the change \
+             of velocity is 1 to 1.3 times that speed, more below 50 km/h."
+    means "Times are in this unit. The other one would change the velocity 1000 times more or less."
+    remedy "nothing; --time-unit overrides"
+    says format!(
+        "{reason}. It is {unit}: with it the pulse stops the vehicle from {:.1} km/h. A unit 1000 times longer or \
+         shorter would change the velocity 1000 times more or less. --time-unit overrides",
+        3.6 * impact_speed_m_per_s
+    );
+
+    /// Mass or impact speed is missing, and nothing needs it.
+    CR142 NeedsNeither { kind: Option<&'static str> }
+    bears on (About::Record, Weight::None)
+    decided "The pulse is an accelerometer in an occupant, or the test is one of a sled or a catapult."
+    means "Criteria of occupants and the pulse are made. There is no model of a structure."
+    remedy "nothing; state --mass and --impact-speed if this is a vehicle"
+    says {
+        let what = kind.map_or_else(|| "the criteria of an occupant need".to_owned(), |kind| format!("a {kind} needs"));
+        format!("mass and impact speed are not both stated: {what} neither")
+    };
+
+    /// Two vehicles meet, and the pulse is on one of them.
+    CR143 VehiclesMeet { numbers: String, vehicle: u32, other: String }
+    bears on (About::Record, Weight::None)
+    decided "The file lists several vehicles and the channels of each."
+    means "Mass, speed and description are those of the vehicle that carries the pulse."
+    remedy "nothing; --vehicle and its number take the other vehicle"
+    says format!(
+        "vehicles {numbers} meet: mass, speed and description are those of vehicle {vehicle}, which carries the pulse; \
+         --vehicle {other} takes the other"
+    );
+
+    /// The initial velocity of the pulse is not the impact speed that the record states.
+    CR144 TwoSpeeds { channel: String, speed_m_per_s: f64, other_from: String, other_m_per_s: f64 }
+    bears on (About::ImpactSpeed, Weight::Marked)
+    decided "Both stand in the record and differ by more than 1 %. The initial velocity of the channel is used: it \
+             belongs to the pulse."
+    means "Crush grows with the impact speed, energy with its square. One of both speeds is wrong."
+    remedy "state the right one: --impact-speed"
+    says format!(
+        "initial velocity of channel {channel} is {speed_m_per_s:.4} m/s, {other_from} is {other_m_per_s:.4} m/s: the \
+         first is used"
+    );
 }

@@ -3,7 +3,7 @@
 
 use std::fmt;
 
-use crumple_signal::{IntegrationRule, KindOfTest, Notes, Sampled, TestKind, integrate_twice};
+use crumple_signal::{About, IntegrationRule, KindOfTest, Notes, Sampled, TestKind, Weight, integrate_twice, remarks};
 
 use crate::recording::content::Wave;
 use crate::recording::details::Details;
@@ -128,17 +128,29 @@ fn by_motion(samples: &Sampled, zero_level: f64, speed_m_per_s: f64) -> Option<T
 /// Says what a test is where it is no vehicle, and the flag that says otherwise.
 fn note(found: Option<&Found>, notes: &mut Notes) {
     let Some(Found { kind, rule }) = found.filter(|of| of.kind != TestKind::Vehicle) else { return };
-    let other = match kind {
-        _ if matches!(rule, Rule::Stated(_)) => "",
-        _ => "; --kind vehicle says that it is one",
-    };
-    let name = kind.name();
-    notes.info(match kind {
-        TestKind::Component => {
-            format!("what was tested is a component ({rule}): without its mass there is no model of it")
+    let flag = (!matches!(rule, Rule::Stated(_))).then_some("--kind vehicle");
+    notes.push(NoVehicle { kind: kind.name(), rule: rule.to_string(), flag });
+}
+
+remarks! {
+    /// Remarks of what was tested.
+    pub REMARKS;
+
+    /// What was tested is no vehicle.
+    CR140 NoVehicle { kind: &'static str, rule: String, flag: Option<&'static str> }
+    bears on (About::Record, Weight::None)
+    decided "--kind, the sidecar or the header states it, or the code of the pulse begins with S, a sled. Of a record \
+             that states nothing of a vehicle the pulse proposes it: a catapult keeps 90 % of its largest velocity, a \
+             sled stops without a rebound (2 %) after its force has gone."
+    means "Brake and drive of a sled are no structure: no model is made. A component has one where its mass is stated."
+    remedy "nothing; --kind vehicle if it is one, --mass for a model of a component"
+    says match *kind {
+        "component" => format!("what was tested is a component ({rule}): without its mass there is no model of it"),
+        kind => {
+            let other = flag.map_or_else(String::new, |flag| format!("; {flag} says that it is one"));
+            format!("what was tested is a {kind} ({rule}): it has no structure, so no model is made of it{other}")
         }
-        _ => format!("what was tested is a {name} ({rule}): it has no structure, so no model is made of it{other}"),
-    });
+    };
 }
 
 #[cfg(test)]

@@ -8,15 +8,22 @@
 use crumple_metrics::{Exchange, Plausibility};
 use crumple_signal::iso13499::IsoCode;
 use crumple_signal::{
-    About, Axis, Channel, ChannelStatus, Notes, QuantityKind, Sampled, SignalError, TestKind, Weight, part_of,
-    pre_event,
+    Axis, Channel, ChannelStatus, Notes, QuantityKind, Sampled, SignalError, TestKind, part_of, pre_event,
 };
 
 use crate::error::Question;
 use crate::recording::content::{self, Fitness, MINIMUM_SAMPLES, PulseRule, ReadChannel, Recording};
 use crate::recording::details::Stated;
 use crate::recording::settings::{BodyPlace, select};
-use crate::{IngestError, Result, refuse_channel};
+use crate::{IngestError, Result, Sign, refuse_channel};
+
+mod remarks;
+
+pub use remarks::REMARKS;
+use remarks::{
+    InputsAndOutputs, NoPulse, NoneAlongX, NotOfCompartment, PositivePulse, PulseChosen, PulseDoubted, PushedPulse,
+    RedundantPulse, SignKept, SignTurned, SpeedAtContact, VelocityTaken,
+};
 
 /// Index of the pulse among the channels: the one asked for, else the fittest of those that are valid and have data.
 /// What was taken, why, and what else there is goes into a note. `None` only where one may be missing; where nothing
@@ -36,22 +43,17 @@ pub fn choose_pulse(
         Some(wanted) => requested_channel(file, recording, wanted, &candidates)?,
         None => match best_candidate(file, recording, &candidates) {
             Ok(index) if allow_missing && !is_of_a_crash && is_an_output(recording) => {
-                notes.info(format!(
-                    "a record of inputs and outputs, as no pulse is named (--channel names one): channel {} \
-                     stands beside quantities that are no motion",
-                    describe(&recording.channels[index].channel)
-                ));
+                let channel = Some(describe(&recording.channels[index].channel));
+                notes.push(InputsAndOutputs { channel, reason: None });
                 return Ok(None);
             }
             Ok(index) => index,
             Err(error) if allow_missing => {
+                let reason = error.to_string();
                 if is_of_a_crash {
-                    let text = format!("no channel is named as the crash pulse: {error}");
-                    notes.concern(About::Pulse, Weight::Decisive, text);
+                    notes.push(NoPulse { reason });
                 } else {
-                    notes.info(format!(
-                        "a record of inputs and outputs, as no pulse is named (--channel names one): {error}"
-                    ));
+                    notes.push(InputsAndOutputs { channel: None, reason: Some(reason) });
                 }
                 return Ok(None);
             }
@@ -241,46 +243,25 @@ fn list<'a>(channels: impl Iterator<Item = &'a ReadChannel>) -> String {
 
 fn note_choice(recording: &Recording, index: usize, candidates: &[usize], asked: bool, notes: &mut Notes) {
     let pulse = &recording.channels[index];
-    let why = match (asked, pulse.fitness) {
-        (true, _) => "as asked for".to_owned(),
-        (false, Some(fitness)) if recording.pulse_rule == PulseRule::Fittest => {
-            format!("valid accelerometer along x at the best available place: {}", fitness.why)
-        }
-        (false, Some(fitness)) => fitness.why.to_owned(),
-        (false, None) => String::new(),
+    let (place, why) = match (asked, pulse.fitness) {
+        (true, _) => (None, "as asked for"),
+        (false, Some(fitness)) if recording.pulse_rule == PulseRule::Fittest => (Some(fitness.why), ""),
+        (false, fitness) => (None, fitness.map_or("", |fitness| fitness.why)),
     };
     let others: Vec<&ReadChannel> =
         candidates.iter().filter(|k| **k != index).map(|k| &recording.channels[*k]).collect();
-    let others = match others.as_slice() {
-        [] => String::new(),
-        others => format!("; others by --channel: {}", list(others.iter().copied())),
-    };
-    notes.info(format!("pulse: channel {}, {why}{others}", describe(&pulse.channel)));
+    let others = (!others.is_empty()).then(|| list(others.iter().copied()));
+    notes.push(PulseChosen { channel: describe(&pulse.channel), place, why, others });
+    let id = || pulse.channel.id.clone();
     if !candidates.contains(&index) && pulse.channel.status != ChannelStatus::Valid {
-        notes.concern(
-            About::Pulse,
-            Weight::Marked,
-            format!("the pulse, channel {}, is {} by its laboratory", pulse.channel.id, pulse.channel.status),
-        );
+        notes.push(PulseDoubted { id: id(), status: pulse.channel.status.to_string() });
     }
     if let Some(doubt) = doubt(pulse, recording.pulse_rule) {
         let taken = if asked { "taken as asked for" } else { "nothing else is here" };
-        notes.concern(
-            About::Pulse,
-            Weight::Decisive,
-            format!(
-                "channel {} may not show the motion of the compartment: {doubt}; {taken}. Its crush, force and models \
-             are not those of the vehicle",
-                describe(&pulse.channel)
-            ),
-        );
+        notes.push(NotOfCompartment { taken, ..doubt });
     }
     if !asked && pulse.channel.redundant {
-        notes.concern(
-            About::Pulse,
-            Weight::Slight,
-            format!("the pulse, channel {}, is a redundant sensor: no primary one is valid here", pulse.channel.id),
-        );
+        notes.push(RedundantPulse { id: id() });
     }
 }
 
@@ -288,23 +269,23 @@ fn note_choice(recording: &Recording, index: usize, candidates: &[usize], asked:
 const ELSEWHERE: &str = "barrier belt brake bumper caliper chest dummy engine femur gearbox head knee motor neck \
     occupant pelvis radiator spine steering thorax tibia transmission wheel wrist";
 
-/// Why the channel may not stand for the compartment, in words; `None` if nothing speaks against it.
-fn doubt(read: &ReadChannel, rule: PulseRule) -> Option<String> {
+/// Why the channel may not stand for the compartment; `None` if nothing speaks against it.
+fn doubt(read: &ReadChannel, rule: PulseRule) -> Option<NotOfCompartment> {
     let channel = &read.channel;
+    let of = NotOfCompartment { channel: describe(channel), axis: None, word: None, code_says: None, taken: "" };
     if let Some(axis) = channel.axis.filter(|axis| *axis != Axis::X) {
-        return Some(format!("it measures along {axis}, not along x"));
+        return Some(NotOfCompartment { axis: Some(axis.to_string()), ..of });
     }
     if let Some(word) = word_for_another_place(channel) {
-        return Some(format!("it sits elsewhere ({word})"));
+        return Some(NotOfCompartment { word: Some(word), ..of });
     }
     if let Some((code, _)) = channel.code.as_deref().and_then(|code| IsoCode::parse(code).ok()) {
         let vehicle = code.object().to_digit(10).unwrap_or(1);
         if fitness(&code, vehicle).is_none() {
-            return Some(format!("its code says {}", code.location()));
+            return Some(NotOfCompartment { code_says: Some(code.location()), ..of });
         }
     }
-    (rule == PulseRule::Fittest && read.fitness.is_none())
-        .then(|| "its place is none of rear-seat crossmember, rear floor, sill, B-pillar, centre of gravity".to_owned())
+    (rule == PulseRule::Fittest && read.fitness.is_none()).then_some(of)
 }
 
 fn word_for_another_place(channel: &Channel) -> Option<&'static str> {
@@ -352,24 +333,38 @@ const CERTAIN: std::ops::RangeInclusive<f64> = 0.6..=1.6;
 /// speed, and a tenth is left to gain and impact speed. A larger gain suggests a wrong unit.
 const IMPOSSIBLE: f64 = 2.2;
 
-/// Whether the sign of the pulse is certainly wrong, and the note of `--sign auto` about it.
-pub fn certainly_wrong(pulse: Option<&Sampled>, impact_speed_m_per_s: Option<f64>) -> (bool, String) {
-    let (Some(pulse), Some(speed)) = (pulse, impact_speed_m_per_s.filter(|speed| *speed > 0.0)) else {
-        return (false, "sign kept: without a pulse and its impact speed its polarity is not certain".to_owned());
+/// Turns the accelerations along x where that is asked for, or certainly wrong, and says so; whether it did.
+pub fn turn_sign(
+    recording: &mut Recording,
+    pulse: Option<usize>,
+    sign: Sign,
+    notes: &mut Notes,
+) -> Result<bool, SignalError> {
+    let gain = match sign {
+        Sign::Keep => return Ok(false),
+        Sign::Flip => None,
+        Sign::Auto => {
+            let speed = recording.details.impact_speed_m_per_s.as_ref().map(|stated| stated.value);
+            let gain = gain(pulse.and_then(|k| recording.channels[k].wave.as_ref()), speed);
+            if !gain.is_some_and(|(_, ratio)| CERTAIN.contains(&ratio)) {
+                let (over_s, ratio) = gain.unzip();
+                notes.push(SignKept { over_s, ratio });
+                return Ok(false);
+            }
+            gain
+        }
     };
+    let ((over_s, ratio), channels) = (gain.unzip(), flip(&mut recording.channels)?);
+    notes.push(SignTurned { over_s, ratio, channels });
+    Ok(true)
+}
+
+/// How long the pulse is looked at, s, and the change of the speed in it over the impact speed; `None` where one of
+/// both is not known.
+fn gain(pulse: Option<&Sampled>, impact_speed_m_per_s: Option<f64>) -> Option<(f64, f64)> {
+    let (pulse, speed) = pulse.zip(impact_speed_m_per_s.filter(|speed| *speed > 0.0))?;
     let zero = pre_event(pulse).map_or(0.0, |before| before.zero_level);
-    let ratio = change(pulse, zero) / speed;
-    let gains = format!(
-        "over the first {:.0} ms the pulse changes the speed by {ratio:+.2} times the impact speed",
-        1e3 * pulse.end_s().min(WINDOW_S)
-    );
-    if CERTAIN.contains(&ratio) {
-        (true, format!("sign turned by --sign auto: {gains}, where a frontal impact loses speed"))
-    } else if ratio <= 0.0 {
-        (false, format!("sign kept: {gains}"))
-    } else {
-        (false, format!("sign kept, since its polarity is not certain: {gains}"))
-    }
+    Some((pulse.end_s().min(WINDOW_S), change(pulse, zero) / speed))
 }
 
 /// Change of velocity over the first 150 ms, m/s.
@@ -439,32 +434,23 @@ pub fn check(
         return;
     }
     let ratio = impact_speed_m_per_s.filter(|v| *v > 0.0).map(|v| change / v);
-    let way_out = match (polarity, ratio) {
-        (Polarity::Turned, _) => "--sign has turned it: leave --sign out".to_owned(),
-        (_, Some(ratio)) if ratio > IMPOSSIBLE => {
-            format!(
-                "{ratio:.1} times the impact speed is too large for an impact of either sign: check the unit (--unit) \
-                 and the impact speed first"
-            )
-        }
-        (_, None) => "if this is a frontal impact with deceleration positive, use --sign flip; a motion from rest (a \
-                      sled, a hit from behind), a shock or a drop may be positive and needs no flag"
-            .to_owned(),
-        _ => "if deceleration is positive in this file, use --sign flip".to_owned(),
-    };
-    let within = format!("+{change:.2} m/s in the first {:.0} ms", pulse.end_s().min(WINDOW_S) * 1e3);
-    let text = format!("the pulse is positive ({within}); a frontal impact is negative (SAE J211). {way_out}");
+    let (change_m_per_s, over_s) = (change, pulse.end_s().min(WINDOW_S));
+    let sign = (polarity == Polarity::Turned).then_some("turned");
     // What is pushed from rest, or from behind by less than a sign turned would gain, is a motion like any other.
     let is_pushed = match ratio {
         None => polarity == Polarity::AsRead,
         Some(ratio) => ratio < *CERTAIN.start(),
     };
-    notes.concern(About::Pulse, if is_pushed { Weight::Slight } else { Weight::Decisive }, text);
+    if is_pushed {
+        notes.push(PushedPulse { change_m_per_s, over_s, ratio, sign });
+    } else {
+        notes.push(PositivePulse { change_m_per_s, over_s, ratio, sign });
+    }
 }
 
 /// Turns the sign of every acceleration along x, or along an axis that is not stated, and of its initial velocity.
 /// Returns how many channels that are.
-pub fn flip(channels: &mut [ReadChannel]) -> Result<usize, SignalError> {
+fn flip(channels: &mut [ReadChannel]) -> Result<usize, SignalError> {
     let mut flipped = 0;
     for ReadChannel { channel, wave, .. } in channels {
         if channel.quantity != QuantityKind::Acceleration || !matches!(channel.axis, None | Some(Axis::X)) {
@@ -523,16 +509,15 @@ pub fn choose(file: &str, recording: &Recording, wanted: Option<&str>, notes: &m
             let is_only = changes.len() == 1 && quantity == QuantityKind::VelocityChange;
             let only = || changes.first().copied().filter(|_| is_only);
             let Some(taken) = along(Some(Axis::X)).or_else(|| along(None)).or_else(only) else {
-                let of = names(&changes);
-                notes.warning(format!("no {what} is along x: {of}; --channel names the one that is meant"));
+                notes.push(NoneAlongX { what, channels: names(&changes) });
                 return Ok(None);
             };
             taken
         }
     };
     let others: Vec<usize> = changes.into_iter().filter(|k| *k != taken).collect();
-    let rest = if others.is_empty() { String::new() } else { format!("; others: {}", names(&others)) };
-    notes.info(format!("the {what} {} is taken as the pulse{rest}", name(taken)));
+    let others = (!others.is_empty()).then(|| names(&others));
+    notes.push(VelocityTaken { what, channel: name(taken), others });
     Ok(Some(taken))
 }
 
@@ -546,7 +531,7 @@ pub fn speed_at_contact(recording: &mut Recording, index: usize, notes: &mut Not
     let largest = samples.iter().fold(0.0_f64, |largest, v| largest.max(v.abs()));
     let Some(at_contact) = samples.get(wave.index_at_or_after(0.0)).map(|v| v.abs()) else { return };
     if at_contact >= IMPACT_PART * largest && at_contact > 0.0 {
-        notes.info(format!("impact speed {at_contact:.3} m/s: velocity {} at time zero", channel.id));
+        notes.push(SpeedAtContact { speed_m_per_s: at_contact, channel: channel.id.clone() });
         let from = format!("the velocity {} at time zero", channel.id);
         recording.details.impact_speed_m_per_s = Some(Stated { value: at_contact, from });
     }
@@ -555,7 +540,7 @@ pub fn speed_at_contact(recording: &mut Recording, index: usize, notes: &mut Not
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crumple_signal::QuantityKind;
+    use crumple_signal::{Note, QuantityKind};
 
     fn channel(id: &str, code: Option<&str>, axis: Option<Axis>) -> ReadChannel {
         let mut channel = Channel::new(id, QuantityKind::Acceleration);
@@ -566,15 +551,16 @@ mod tests {
 
     #[test]
     fn what_speaks_against_a_channel_is_said() {
-        let doubt_of = |id, code, axis| doubt(&channel(id, code, axis), PulseRule::OnlyOne);
+        let text = |doubt: Option<NotOfCompartment>| doubt.map(|doubt| Note::from(doubt).text);
+        let doubt_of = |id, code, axis| text(doubt(&channel(id, code, axis), PulseRule::OnlyOne));
         assert_eq!(doubt_of("accel_g", None, None), None);
         assert_eq!(doubt_of("Header_g", None, Some(Axis::X)), None);
         assert_eq!(doubt_of("a", Some("10FORALERE00ACXP"), Some(Axis::X)), None);
         assert_eq!(doubt_of("a", Some("20VEHCCG0000ACXP"), Some(Axis::X)), None);
-        assert_eq!(doubt_of("accel_z", None, Some(Axis::Z)).unwrap(), "it measures along z, not along x");
-        assert_eq!(doubt_of("Head_x_g", None, Some(Axis::X)).unwrap(), "it sits elsewhere (head)");
+        assert!(doubt_of("accel_z", None, Some(Axis::Z)).unwrap().contains(": it measures along z, not along x; "));
+        assert!(doubt_of("Head_x_g", None, Some(Axis::X)).unwrap().contains(": it sits elsewhere (head); "));
         assert!(doubt_of("a", Some("10ENGN000000ACXP"), Some(Axis::X)).unwrap().contains("engine"));
-        assert!(doubt(&channel("a", None, None), PulseRule::Fittest).unwrap().contains("rear floor"));
+        assert!(text(doubt(&channel("a", None, None), PulseRule::Fittest)).unwrap().contains("rear floor"));
     }
 
     #[test]

@@ -3,9 +3,16 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use crate::{Bundle, IngestError, IngestSettings, Ingested, ListedChannel, RecordDigests, Refusal, ingest, list};
+use crate::checks::{channel_quality, exchanges};
+use crate::recording::{content, details, preamble, scale, settings};
+use crate::time::{samples, unit};
+use crate::{
+    Bundle, IngestError, IngestSettings, Ingested, ListedChannel, RecordDigests, Refusal, contact, formats, impact,
+    ingest, kind, list, pulse, wall,
+};
 use crumple_artifact::InputDigest;
 use crumple_artifact::records::{TestV1, VehiclesV1};
+use crumple_signal::Kind;
 use crumple_stage::{
     ExitStatus, Loaded, Outcome, Output, Program, Progress, Refused, Stage, Usage, keep_budget, nearest, printable,
     program, run_stage, run_tool, to_stdout,
@@ -34,6 +41,37 @@ impl Stage for Ingest {
         every channel, the test's mass and impact speed, the crash pulse. Asks for what the record does not say; \
         corrects nothing. With --list it prints the table of channels and writes nothing.";
 
+    const REMARKS: &'static [&'static [&'static Kind]] = &[
+        formats::remarks::REMARKS,
+        formats::ev5::REMARKS,
+        formats::iso13499::REMARKS,
+        formats::iso_mme::channel::REMARKS,
+        formats::iso_mme::REMARKS,
+        formats::lvm::REMARKS,
+        formats::mcap::REMARKS,
+        formats::messages::REMARKS,
+        formats::table::remarks::REMARKS,
+        formats::tdm::REMARKS,
+        formats::waveform::channel::REMARKS,
+        formats::waveform::clock::REMARKS,
+        formats::waveform::conversion::REMARKS,
+        formats::workbook::REMARKS,
+        content::REMARKS,
+        details::REMARKS,
+        preamble::REMARKS,
+        scale::REMARKS,
+        settings::REMARKS,
+        samples::REMARKS,
+        unit::REMARKS,
+        wall::REMARKS,
+        pulse::REMARKS,
+        contact::REMARKS,
+        impact::REMARKS,
+        kind::REMARKS,
+        ingest::REMARKS,
+        channel_quality::REMARKS,
+        exchanges::REMARKS,
+    ];
     type Options = IngestSettings;
     type Settings = IngestSettings;
     type Input = Bundle;

@@ -1,6 +1,6 @@
 //! Which channels are the force of the wall, where their names, and no code, say so.
 
-use crumple_signal::{Axis, BARRIER, QuantityKind, criterion_of};
+use crumple_signal::{About, Axis, BARRIER, QuantityKind, Weight, criterion_of, remarks};
 
 use crate::recording::content::{ReadChannel, Recording, list};
 use crate::recording::settings::select;
@@ -90,9 +90,8 @@ pub fn place(file: &str, recording: &mut Recording, wanted: Option<&str>) -> Res
         });
         let left: Vec<&str> = left.map(|read| read.channel.id.as_str()).collect();
         if let [first, ..] = left.as_slice() {
-            let note =
-                format!("no force is taken for that of a wall: {}; --wall {first}, for example, names it", list(&left));
-            recording.notes.info(note);
+            let (forces, first) = (list(&left), (*first).to_owned());
+            recording.notes.push(NoWallForce { forces, first });
         }
     }
     for k in &taken {
@@ -100,7 +99,8 @@ pub fn place(file: &str, recording: &mut Recording, wanted: Option<&str>) -> Res
     }
     if !taken.is_empty() {
         let names: Vec<&str> = taken.iter().map(|k| recording.channels[*k].channel.id.as_str()).collect();
-        recording.notes.info(format!("force of the wall: {}", list(&names)));
+        let channels = list(&names);
+        recording.notes.push(WallForce { channels });
     }
     Ok(())
 }
@@ -135,6 +135,29 @@ fn names_the_wall(read: &ReadChannel) -> bool {
         || has(&CELL)
         || (has(&["load"]) && has(&["cell", "cells"]))
         || words.iter().any(|word| word.starts_with("barr"))
+}
+
+remarks! {
+    /// Remarks of the force of the wall.
+    pub REMARKS;
+
+    /// There are forces, and none is taken for that of the wall.
+    CR117 NoWallForce { forces: String, first: String }
+    bears on (About::WallForce, Weight::None)
+    decided "A force is that of the wall if its name says wall, barrier or load cell and names no part of an occupant. \
+             None of these names does."
+    means "The forces stay channels. There is no force of the wall among the results."
+    remedy "name the load cells of the wall by --wall, if these are some"
+    says format!("no force is taken for that of a wall: {forces}; --wall {first}, for example, names it");
+
+    /// These channels are taken for the force of the wall.
+    CR118 WallForce { channels: String }
+    bears on (About::WallForce, Weight::None)
+    decided "--wall names them, or their names say wall, barrier or load cell. A name that says total or sum stands \
+             for all."
+    means "Their sum is the force on the wall. A load cell that is missing makes it too small."
+    remedy "name other channels by --wall if these are not the wall"
+    says format!("force of the wall: {channels}");
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! What a motion says about the crash: sign of the pulse, events, findings in words.
 
 use crumple_metrics::{
-    CrashEvents, DynamicCrush, EventEnd, MetricsError, centroid_time_by_moment, centroid_time_from_crush,
+    CrashEvents, DynamicCrush, EventEnd, MetricsError, Unstopped, centroid_time_by_moment, centroid_time_from_crush,
     crash_events_within, largest_restitution,
 };
-use crumple_signal::{About, Motion, Notes, Signal, UsedStart, Velocity, Weight};
+use crumple_signal::{About, Motion, Note, Notes, Signal, UsedStart, Velocity, Weight, remarks};
 
 /// What is said of a pulse of the wrong sign.
 pub const WRONG_SIGN: &str =
@@ -71,78 +71,39 @@ const CENTROID_GAP: f64 = 1e-3;
 pub fn findings(motion: &Motion, events: &CrashEvents, impact_speed_m_per_s: f64) -> Notes {
     let mut notes = Notes::new();
     if wrong_sign(&motion.velocity, impact_speed_m_per_s) {
-        notes.concern(
-            About::Pulse,
-            Weight::Decisive,
-            format!(
-                "{WRONG_SIGN}; the velocity rises from {impact_speed_m_per_s:.3} to {:.3} m/s, no events are written",
-                motion.velocity.samples().iter().copied().fold(impact_speed_m_per_s, f64::max)
-            ),
-        );
+        let highest_m_per_s = motion.velocity.samples().iter().copied().fold(impact_speed_m_per_s, f64::max);
+        notes.push(WrongSign { impact_speed_m_per_s, highest_m_per_s });
         return notes;
     }
     if motion.start == UsedStart::RecordStart {
-        notes.info(format!(
-            "integration starts {:.1} ms before contact: the low-pass filter spreads the contact to both sides of it",
-            -1e3 * motion.velocity.t0_s()
-        ));
+        notes.push(StartsBeforeContact { lead_s: -motion.velocity.t0_s() });
     }
+    let end_velocity_m_per_s = events.end_velocity_m_per_s;
     if impact_speed_m_per_s == 0.0 {
-        notes.info(format!(
-            "integrated from rest: the velocity is the change of velocity, {:.3} m/s at the end; no crash events",
-            events.end_velocity_m_per_s
-        ));
+        notes.push(FromRest { end_velocity_m_per_s });
         return notes;
     }
-    if events.end_velocity_m_per_s > impact_speed_m_per_s {
-        notes.concern(
-            About::Pulse,
-            Weight::Decisive,
-            format!(
-                "the record ends at {:.3} m/s, faster than the impact at {impact_speed_m_per_s:.3} m/s. Check the \
-                 sign: a frontal pulse is negative (SAE J211-1)",
-                events.end_velocity_m_per_s
-            ),
-        );
+    if end_velocity_m_per_s > impact_speed_m_per_s {
+        notes.push(EndsFaster { end_velocity_m_per_s, impact_speed_m_per_s });
     }
     let (Some(crush), Some(rebound)) = (events.crush, events.rebound) else {
         // What is shown has no crush then, so that nothing of it changes.
-        notes.concern(About::Motion, Weight::Slight, never_stops(events, impact_speed_m_per_s));
+        notes.push(never_stops(events, impact_speed_m_per_s));
         return notes;
     };
     if rebound.still_separating {
-        notes.concern(
-            About::Motion,
-            Weight::Slight,
-            "still separating: the lowest velocity is the last sample, so restitution and delta-v are lower bounds",
-        );
+        notes.push(StillSeparating {});
     }
-    if rebound.velocity_m_per_s.abs() > impact_speed_m_per_s {
-        notes.concern(
-            About::Pulse,
-            Weight::Decisive,
-            format!(
-                "the rebound at {:.3} m/s is faster than the impact at {impact_speed_m_per_s:.3} m/s, which no passive \
-             vehicle does: check the unit of the acceleration, the zero level and the impact speed",
-                rebound.velocity_m_per_s
-            ),
-        );
-    } else if rebound.velocity_m_per_s > 0.0 {
-        notes.info(format!(
-            "the velocity left at {:.1} ms, {:.3} m/s, is within the error of the impact speed: the vehicle has \
-             stopped",
-            1e3 * crush.time_s,
-            rebound.velocity_m_per_s
-        ));
-    } else if rebound.velocity_m_per_s == 0.0 {
-        notes.info("the velocity never gets below zero: no rebound, coefficient of restitution 0");
+    let rebound_m_per_s = rebound.velocity_m_per_s;
+    if rebound_m_per_s.abs() > impact_speed_m_per_s {
+        notes.push(ReboundTooFast { rebound_m_per_s, impact_speed_m_per_s });
+    } else if rebound_m_per_s > 0.0 {
+        notes.push(NoRebound { time_s: Some(crush.time_s), left_m_per_s: Some(rebound_m_per_s) });
+    } else if rebound_m_per_s == 0.0 {
+        notes.push(NoRebound { time_s: None, left_m_per_s: None });
     }
-    if let Some(first) = events.later_zeros_s.first() {
-        notes.info(format!(
-            "the velocity passes zero {} more times after dynamic crush, first at {:.1} ms; only the first zero counts",
-            events.later_zeros_s.len(),
-            1e3 * first
-        ));
+    if let Some(first_s) = events.later_zeros_s.first().copied() {
+        notes.push(LaterZeros { count: events.later_zeros_s.len(), first_s });
     }
     compare_centroid_times(motion, crush, rebound.velocity_m_per_s.max(0.0), impact_speed_m_per_s, &mut notes);
     notes
@@ -158,57 +119,47 @@ fn compare_centroid_times(motion: &Motion, crush: DynamicCrush, left_m_per_s: f6
     let (Some(first_v), Some(first_x)) = (velocity.samples().first(), displacement.samples().first()) else { return };
     let moment = crush.time_s * left_m_per_s - from_s * first_v - (crush.displacement_m - first_x);
     let by_parts = moment / (left_m_per_s - first_v);
-    let from_crush = centroid_time_from_crush(crush.displacement_m, v0);
-    let gap = by_moment / from_crush - 1.0;
-    let text = format!(
-        "centroid time: {:.3} ms from C/v0, {:.3} ms from the pulse, {:+.3} % apart",
-        1e3 * from_crush,
-        1e3 * by_moment,
-        1e2 * gap
-    );
+    let from_crush_s = centroid_time_from_crush(crush.displacement_m, v0);
+    let gap = by_moment / from_crush_s - 1.0;
     if (by_moment / by_parts - 1.0).abs() > CENTROID_GAP {
-        let crude = ": the sampling or the integration rule is crude for this pulse";
-        notes.concern(About::Motion, Weight::Marked, text + crude);
-    } else if gap.abs() <= CENTROID_GAP {
-        notes.info(text);
+        notes.push(CentroidTimesApart { from_crush_s, from_pulse_s: by_moment, gap });
     } else {
-        let at_contact = velocity.at(0.0).unwrap_or(*first_v);
-        if (at_contact - v0).abs().max(left_m_per_s) <= CENTROID_GAP * v0 {
-            notes.info(text + ": the record moves before contact");
-            return;
-        }
-        notes.info(format!(
-            "{text}: the velocity is {at_contact:.3} m/s at contact and {left_m_per_s:.3} m/s at the stop, the impact \
-             speed {v0:.3} m/s"
-        ));
+        notes.push(CentroidTimes {
+            from_crush_s,
+            from_pulse_s: by_moment,
+            gap,
+            at_contact_m_per_s: velocity.at(0.0).unwrap_or(*first_v),
+            at_stop_m_per_s: left_m_per_s,
+            impact_speed_m_per_s: v0,
+        });
     }
 }
 
-/// What a velocity says that never reaches zero.
-fn never_stops(events: &CrashEvents, impact_speed_m_per_s: f64) -> String {
-    let text = format!(
-        "the velocity never reaches zero, the record ends at v = {:.3} m/s: dynamic crush and rebound are not in \
-         the record",
-        events.end_velocity_m_per_s
-    );
-    let Some(unstopped) = events.unstopped else { return text };
-    if unstopped.end == EventEnd::Contact {
-        return format!(
-            "this impact leaves the vehicle {:.3} m/s, and another one follows: it has no dynamic crush and no \
-             rebound; delta-v is {:.3} m/s at {:.1} ms",
-            unstopped.velocity_m_per_s,
-            impact_speed_m_per_s - unstopped.velocity_m_per_s,
-            1e3 * unstopped.time_s
-        );
-    }
+/// Both centroid times and their gap in words.
+fn centroid_times(from_crush_s: f64, from_pulse_s: f64, gap: f64) -> String {
     format!(
-        "{text}; delta-v is {:.3} m/s at {:.1} ms, the lowest velocity up to the end of the event at {:.1} ms ({}){}",
-        impact_speed_m_per_s - unstopped.velocity_m_per_s,
-        1e3 * unstopped.time_s,
-        1e3 * unstopped.end_s,
-        unstopped.end.name(),
-        if unstopped.end == EventEnd::Record { ": a lower bound, it still changes there" } else { "" }
+        "centroid time: {:.3} ms from C/v0, {:.3} ms from the pulse, {:+.3} % apart",
+        1e3 * from_crush_s,
+        1e3 * from_pulse_s,
+        1e2 * gap
     )
+}
+
+/// What a velocity says that never reaches zero.
+fn never_stops(events: &CrashEvents, impact_speed_m_per_s: f64) -> Note {
+    let unstopped = events.unstopped;
+    if let Some(Unstopped { velocity_m_per_s, time_s, end: EventEnd::Contact, .. }) = unstopped {
+        let delta_v_m_per_s = impact_speed_m_per_s - velocity_m_per_s;
+        return AnotherFollows { left_m_per_s: velocity_m_per_s, delta_v_m_per_s, time_s }.into();
+    }
+    NeverStops {
+        end_velocity_m_per_s: events.end_velocity_m_per_s,
+        delta_v_m_per_s: unstopped.map(|unstopped| impact_speed_m_per_s - unstopped.velocity_m_per_s),
+        time_s: unstopped.map(|unstopped| unstopped.time_s),
+        end_of_event_s: unstopped.map(|unstopped| unstopped.end_s),
+        end_of_event: unstopped.map(|unstopped| unstopped.end.name().to_owned()),
+    }
+    .into()
 }
 
 /// Restitution that is usual at 50 km/h and above, and the lowest that is.
@@ -221,38 +172,266 @@ const TESTED_KM_PER_H: std::ops::RangeInclusive<f64> = 5.0..=150.0;
 ///
 /// The change of velocity `dv = v0 - v_s` does not depend on the stated speed, so `dv/(1 + e)` is the impact speed for
 /// a restitution e against a rigid barrier. A partner that gives way, or a glancing impact, leaves speed as well.
-pub fn question_speed(motion: &Motion, events: &CrashEvents, impact_speed_m_per_s: f64) -> Option<String> {
+pub fn question_speed(events: &CrashEvents, impact_speed_m_per_s: f64) -> Option<Note> {
     let v0 = impact_speed_m_per_s;
     if v0.is_nan() || v0 <= 0.0 {
         return None;
     }
     let change = events.delta_v_m_per_s(v0)?;
-    let fitting = |e: f64| 3.6 * change / (1.0 + e);
-    let (high, [usual, low]) = (fitting(largest_restitution(f64::INFINITY)), USUAL.map(fitting));
-    let stated = format!("check the impact speed ({:.1} km/h)", 3.6 * v0);
-    let fits = if TESTED_KM_PER_H.contains(&usual) {
-        format!("{usual:.0} km/h would fit ({high:.0} to {low:.0} km/h); if it is right, check")
-    } else {
-        "no speed of a test fits this pulse; check".to_owned()
-    };
+    let fitting = |e: f64| change / (1.0 + e);
+    let [usual_m_per_s, highest_m_per_s] = USUAL.map(fitting);
+    let lowest_m_per_s = fitting(largest_restitution(f64::INFINITY));
     match (events.restitution(v0), events.unstopped) {
-        (Some(e), _) if e > largest_restitution(v0) => Some(format!(
-            "{stated}: the car would rebound at {:.0} % of it, real cars stay below {:.0} %. {fits} unit, zero level \
-             and class of the channel",
-            100.0 * e,
-            100.0 * largest_restitution(v0)
-        )),
+        (Some(restitution), _) if restitution > largest_restitution(v0) => {
+            let largest = largest_restitution(v0);
+            let question = SpeedOrChannel {
+                impact_speed_m_per_s,
+                restitution,
+                largest,
+                usual_m_per_s,
+                lowest_m_per_s,
+                highest_m_per_s,
+            };
+            Some(question.into())
+        }
         // The next impact, or what the record does not show any more, may stop it.
         (None, Some(unstopped)) if unstopped.end == EventEnd::Quiet => {
-            let end = motion.velocity.samples().last().copied().unwrap_or(v0);
-            Some(format!(
-                "{stated}: the car would not stop, it would still move at {:.0} km/h. {fits} whether the impact was \
-                 glancing or the partner gave way",
-                3.6 * end
-            ))
+            let question = SpeedOrPartner {
+                impact_speed_m_per_s,
+                end_velocity_m_per_s: unstopped.velocity_m_per_s,
+                usual_m_per_s,
+                lowest_m_per_s,
+                highest_m_per_s,
+            };
+            Some(question.into())
         }
         _ => None,
     }
+}
+
+/// The impact speed that would fit, from the largest restitution to the lowest that is usual.
+fn fits(usual_m_per_s: f64, lowest_m_per_s: f64, highest_m_per_s: f64) -> String {
+    let [usual, low, high] = [usual_m_per_s, lowest_m_per_s, highest_m_per_s].map(|speed| 3.6 * speed);
+    if TESTED_KM_PER_H.contains(&usual) {
+        format!("{usual:.0} km/h would fit ({low:.0} to {high:.0} km/h); if it is right, check")
+    } else {
+        "no speed of a test fits this pulse; check".to_owned()
+    }
+}
+
+remarks! {
+    /// Remarks of a motion and its events.
+    pub REMARKS;
+
+    /// The acceleration has the wrong sign: the velocity rises where the vehicle should be stopped.
+    CR311 WrongSign { impact_speed_m_per_s: f64, highest_m_per_s: f64 }
+    bears on (About::Pulse, Weight::Decisive)
+    decided "The velocity reaches twice the impact speed before it reaches zero: with the other sign the vehicle \
+             would have stopped. SAE J211-1 has x forward, so that a frontal pulse is negative."
+    means "No events are written. Velocity and displacement show a vehicle that speeds up."
+    remedy "turn the pulse at ingest with --sign flip; where that was given, leave it out"
+    says format!(
+        "{WRONG_SIGN}; the velocity rises from {impact_speed_m_per_s:.3} to {highest_m_per_s:.3} m/s, no events are \
+         written"
+    );
+
+    /// The integration begins before contact.
+    CR312 StartsBeforeContact { lead_s: f64 }
+    bears on (About::Motion, Weight::None)
+    decided "The pulse went through a low-pass filter and has samples before contact: integrate.start = \"auto\" takes \
+             up to 50 ms of them. Or integrate.start asks for it."
+    means "A filter without phase puts half of the jump at contact before it: a start at contact would lose that \
+           velocity, 0.05 m/s of a jump of 10 g at CFC 60."
+    remedy "nothing; integrate.start = \"time-zero\" begins at contact"
+    says format!(
+        "integration starts {:.1} ms before contact: the low-pass filter spreads the contact to both sides of it",
+        1e3 * lead_s
+    );
+
+    /// The motion starts from rest, so that its velocity is the change of velocity.
+    CR313 FromRest { end_velocity_m_per_s: f64 }
+    bears on (About::Motion, Weight::None)
+    decided "The impact speed is 0."
+    means "There are no crash events: no dynamic crush, no rebound and no model of the structure."
+    remedy "nothing for a sled; for a vehicle state the speed: --impact-speed 35km/h at ingest"
+    says format!(
+        "integrated from rest: the velocity is the change of velocity, {end_velocity_m_per_s:.3} m/s at the end; no \
+         crash events"
+    );
+
+    /// The record ends faster than the impact was.
+    CR314 EndsFaster { end_velocity_m_per_s: f64, impact_speed_m_per_s: f64 }
+    bears on (About::Pulse, Weight::Decisive)
+    decided "The velocity of the last sample is above the impact speed. SAE J211-1 has x forward, so that a frontal \
+             pulse is negative."
+    means "The sign, the zero level or the channel may be wrong, and crush and delta-v with it."
+    remedy "check the sign of the pulse: --sign flip at ingest turns it"
+    says format!(
+        "the record ends at {end_velocity_m_per_s:.3} m/s, faster than the impact at {impact_speed_m_per_s:.3} m/s. \
+         Check the sign: a frontal pulse is negative (SAE J211-1)"
+    );
+
+    /// The velocity never reaches zero: the vehicle does not stop in the record.
+    CR315 NeverStops {
+        end_velocity_m_per_s: f64, delta_v_m_per_s: Option<f64>, time_s: Option<f64>, end_of_event_s: Option<f64>,
+        end_of_event: Option<String>
+    }
+    bears on (About::Motion, Weight::Slight)
+    decided "No sample from contact on is at or below zero. The event ends with the first 20 ms that change the \
+             velocity by no more than 0.8 km/h (49 CFR 563.5), or with the record."
+    means "There is no dynamic crush and no restitution. Delta-v is counted up to the end of the event."
+    remedy "use delta-v; for the crush the impact speed must be right and the record long enough"
+    says {
+        let text = format!(
+            "the velocity never reaches zero, the record ends at v = {end_velocity_m_per_s:.3} m/s: dynamic crush and \
+             rebound are not in the record"
+        );
+        match (delta_v_m_per_s, time_s, end_of_event_s, end_of_event) {
+            (Some(delta_v), Some(time_s), Some(end_s), Some(end)) => format!(
+                "{text}; delta-v is {delta_v:.3} m/s at {:.1} ms, the lowest velocity up to the end of the event at \
+                 {:.1} ms ({end}){}",
+                1e3 * time_s,
+                1e3 * end_s,
+                if end == EventEnd::Record.name() { ": a lower bound, it still changes there" } else { "" }
+            ),
+            _ => text,
+        }
+    };
+
+    /// The impact leaves the vehicle speed, and another impact follows before it stops.
+    CR316 AnotherFollows { left_m_per_s: f64, delta_v_m_per_s: f64, time_s: f64 }
+    bears on (About::Motion, Weight::Slight)
+    decided "The force of the impact ends while the velocity is positive, and the next impact begins. 15 ms without a \
+             force separate two impacts."
+    means "This impact has no dynamic crush and no rebound. Delta-v is counted up to the end of its force."
+    remedy "use delta-v; --impact 2 at ingest takes the next impact"
+    says format!(
+        "this impact leaves the vehicle {left_m_per_s:.3} m/s, and another one follows: it has no dynamic crush and no \
+         rebound; delta-v is {delta_v_m_per_s:.3} m/s at {:.1} ms",
+        1e3 * time_s
+    );
+
+    /// The record ends while the vehicle still rebounds.
+    CR317 StillSeparating {}
+    bears on (About::Motion, Weight::Slight)
+    decided "The lowest velocity is the last sample, and the force of the impact has not ended there."
+    means "Restitution and delta-v are lower bounds. Dynamic crush and its time hold."
+    remedy "use a longer record, or quote restitution and delta-v as lower bounds"
+    says "still separating: the lowest velocity is the last sample, so restitution and delta-v are lower bounds";
+
+    /// The vehicle rebounds faster than it came.
+    CR318 ReboundTooFast { rebound_m_per_s: f64, impact_speed_m_per_s: f64 }
+    bears on (About::Pulse, Weight::Decisive)
+    decided "The rebound velocity is larger than the impact speed. A passive structure gives back less than it took."
+    means "Unit, zero level or impact speed is wrong: crush, restitution and models are wrong with it."
+    remedy "check the unit of the acceleration, its zero level, and the impact speed"
+    says format!(
+        "the rebound at {rebound_m_per_s:.3} m/s is faster than the impact at {impact_speed_m_per_s:.3} m/s, which no \
+         passive vehicle does: check the unit of the acceleration, the zero level and the impact speed"
+    );
+
+    /// The vehicle stops and does not rebound.
+    CR319 NoRebound { time_s: Option<f64>, left_m_per_s: Option<f64> }
+    bears on (About::Motion, Weight::None)
+    decided "The lowest velocity of the impact is zero, or positive and no larger than the stated error of the impact \
+             speed."
+    means "The coefficient of restitution is 0."
+    remedy "nothing"
+    says match time_s.zip(*left_m_per_s) {
+        Some((time_s, left_m_per_s)) => format!(
+            "the velocity left at {:.1} ms, {left_m_per_s:.3} m/s, is within the error of the impact speed: the \
+             vehicle has stopped",
+            1e3 * time_s
+        ),
+        None => "the velocity never gets below zero: no rebound, coefficient of restitution 0".to_owned(),
+    };
+
+    /// The velocity passes zero again after dynamic crush.
+    CR320 LaterZeros { count: usize, first_s: f64 }
+    bears on (About::Motion, Weight::None)
+    decided "Changes of sign after the first zero are counted. Noise around zero makes many of them."
+    means "Dynamic crush is at the first zero. The later ones are used for nothing."
+    remedy "nothing"
+    says format!(
+        "the velocity passes zero {count} more times after dynamic crush, first at {:.1} ms; only the first zero \
+         counts",
+        1e3 * first_s
+    );
+
+    /// The centroid time of the pulse, from crush over impact speed and from the acceleration.
+    CR321 CentroidTimes {
+        from_crush_s: f64, from_pulse_s: f64, gap: f64, at_contact_m_per_s: f64, at_stop_m_per_s: f64,
+        impact_speed_m_per_s: f64
+    }
+    bears on (About::Motion, Weight::None)
+    decided "Both are equal where the velocity is the impact speed at contact and zero at the stop; 0.1 % is the error \
+             of sampling and summation."
+    means "A larger gap comes from another velocity at contact or at the stop, not from the sampling."
+    remedy "nothing; where the velocity at contact differs from the impact speed, check time zero and the zero level"
+    says {
+        let text = centroid_times(*from_crush_s, *from_pulse_s, *gap);
+        let off_m_per_s = (at_contact_m_per_s - impact_speed_m_per_s).abs().max(*at_stop_m_per_s);
+        if gap.abs() <= CENTROID_GAP {
+            text
+        } else if off_m_per_s <= CENTROID_GAP * impact_speed_m_per_s {
+            text + ": the record moves before contact"
+        } else {
+            format!(
+                "{text}: the velocity is {at_contact_m_per_s:.3} m/s at contact and {at_stop_m_per_s:.3} m/s at the \
+                 stop, the impact speed {impact_speed_m_per_s:.3} m/s"
+            )
+        }
+    };
+
+    /// Both centroid times differ by more than the motion explains: the samples are too few for this pulse.
+    CR322 CentroidTimesApart { from_crush_s: f64, from_pulse_s: f64, gap: f64 }
+    bears on (About::Motion, Weight::Marked)
+    decided "The time from the acceleration is compared with the one that the motion itself gives by parts; 0.1 % is \
+             left."
+    means "The sum over the samples is not the integral of the pulse: velocity and crush are off by about as much."
+    remedy "use a record with a higher sampling rate, or integrate.rule = \"trapezoid\""
+    says centroid_times(*from_crush_s, *from_pulse_s, *gap)
+        + ": the sampling or the integration rule is crude for this pulse";
+
+    /// The vehicle rebounds faster than vehicles do, so that impact speed or acceleration may be wrong.
+    CR323 SpeedOrChannel {
+        impact_speed_m_per_s: f64, restitution: f64, largest: f64, usual_m_per_s: f64, lowest_m_per_s: f64,
+        highest_m_per_s: f64
+    }
+    bears on (About::ImpactSpeed, Weight::Decisive)
+    decided "Against a barrier a restitution of 0.3 at 50 km/h and above is believed, below that \
+             0.3 sqrt(50 km/h / v0): a rule of thumb. The change of velocity over one and the restitution is the \
+             speed that fits: 0.15 is usual, 0.05 the lowest."
+    means "Crush and energy go with the impact speed and its square. Delta-v needs no impact speed: it holds if the \
+           acceleration does."
+    remedy "check the impact speed first, then unit, zero level and class of the channel"
+    says format!(
+        "check the impact speed ({:.1} km/h): the car would rebound at {:.0} % of it, real cars stay below {:.0} %. {} \
+         unit, zero level and class of the channel",
+        3.6 * impact_speed_m_per_s,
+        100.0 * restitution,
+        100.0 * largest,
+        fits(*usual_m_per_s, *lowest_m_per_s, *highest_m_per_s)
+    );
+
+    /// The impact ends and the vehicle still moves, so that the impact speed may be wrong.
+    CR324 SpeedOrPartner {
+        impact_speed_m_per_s: f64, end_velocity_m_per_s: f64, usual_m_per_s: f64, lowest_m_per_s: f64,
+        highest_m_per_s: f64
+    }
+    bears on (About::ImpactSpeed, Weight::Marked)
+    decided "The velocity is positive where 20 ms change it by no more than 0.8 km/h (49 CFR 563.5). The change of \
+             velocity over one and a restitution of 0.15 (0.05 to 0.3) is the speed that fits."
+    means "Against a rigid barrier the speed is wrong, and all of the motion with it. A glancing impact, or a partner \
+           that gives way, leaves the vehicle speed: then delta-v holds, and there is no dynamic crush."
+    remedy "check the impact speed; where the impact was glancing, --overlap glancing of crumple ingest states it"
+    says format!(
+        "check the impact speed ({:.1} km/h): the car would not stop, it would still move at {:.0} km/h. {} whether \
+         the impact was glancing or the partner gave way",
+        3.6 * impact_speed_m_per_s,
+        3.6 * end_velocity_m_per_s,
+        fits(*usual_m_per_s, *lowest_m_per_s, *highest_m_per_s)
+    );
 }
 
 #[cfg(test)]
@@ -366,7 +545,7 @@ mod tests {
         };
         let motion = integrate(&a, &settings).unwrap();
         let events = events_of(&motion, v0).unwrap();
-        question_speed(&motion, &events, v0)
+        question_speed(&events, v0).map(|question| question.text)
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crumple_lumped::{CrushedStructure, Model, ModelKind, ParameterKind};
 use crumple_numerics::estimation::work::determined;
-use crumple_signal::{About, Measurement, Note, Notes, Sampled, Severity, Weight};
+use crumple_signal::{About, Measurement, Note, Notes, Sampled, Severity, Value, Weight, remarks};
 use rayon::prelude::*;
 
 use crate::candidate::{Candidate, Fit, Method, Minimum, bounds_remark};
@@ -57,11 +57,7 @@ pub fn fit_together(
     let chains: Vec<ModelKind> = settings.models.iter().copied().filter(|kind| mass_count(*kind) > 1).collect();
     settings.models.retain(|kind| mass_count(*kind) == 1);
     if !chains.is_empty() {
-        let names: Vec<&str> = chains.iter().map(|kind| kind.name()).collect();
-        notes.info(format!(
-            "{}: not fitted to several tests, because sensors of the compartment do not show the mass split",
-            names.join(", ")
-        ));
+        notes.push(ChainsNotJoint { models: chains.iter().map(ToString::to_string).collect() });
     }
     let alone = tests.iter().map(|test| of_one(test, &settings, notes)).collect::<Result<Vec<_>, _>>()?;
     let speeds: Vec<f64> = tests.iter().map(|test| test.data.impact_speed_m_per_s).collect();
@@ -73,8 +69,7 @@ pub fn fit_together(
             .map(|of_test| of_test.iter().filter(|c| c.model.kind() == *kind && c.minimum.is_some()).collect())
             .collect();
         if let Some(without) = of_kind.iter().position(Vec::is_empty) {
-            let name = tests[without].name;
-            notes.warning(format!("{kind}: not fitted to all tests, {name} alone has no fit of it"));
+            notes.push(NoFitOfOneTest { model: kind.to_string(), test: tests[without].name.to_owned() });
             continue;
         }
         let fit = |(k, starts): (usize, &Vec<Start>)| {
@@ -90,8 +85,7 @@ pub fn fit_together(
             Ok(_) => None,
         };
         if let Some(reason) = reason {
-            let text = format!("{kind}: not fitted to all tests, {reason}");
-            notes.concern(About::Model(kind.to_string()), Weight::Marked, text);
+            notes.push(NotJoint { model: kind.to_string(), reason });
         }
         let mut fitted = fitted.unwrap_or_default();
         fitted.iter_mut().filter_map(|candidate| candidate.minimum.as_mut()).for_each(Minimum::release_work);
@@ -105,7 +99,10 @@ fn of_one(test: &JointTest<'_>, settings: &SolveSettings, notes: &mut Notes) -> 
     let mut own = Notes::new();
     let candidates = solve(&test.data, settings, &mut own)?;
     for note in own.iter().filter(|note| note.severity == Severity::Warning) {
-        notes.warning(format!("{} alone: {}", test.name, note.text));
+        let mut note = note.clone().within(&format!("{} alone: ", test.name), "");
+        note.values.push(("test", Value::Text(test.name.to_owned())));
+        // It concerns what is made of all tests, whatever model it is of.
+        notes.push(note.bears_on(About::Model(String::new()), Weight::Slight));
     }
     Ok(candidates)
 }
@@ -402,6 +399,39 @@ fn force_at(knots: &[(f64, f64)], deflection_m: f64) -> Option<f64> {
     let right = knots.partition_point(|(d, _)| *d <= deflection_m).clamp(1, knots.len().checked_sub(1)?);
     let (a, b) = (knots.get(right - 1)?, knots.get(right)?);
     Some(a.1 + (b.1 - a.1) * (deflection_m - a.0) / (b.0 - a.0)).filter(|force| *force > 0.0)
+}
+
+remarks! {
+    /// Remarks of models for several tests.
+    pub REMARKS;
+
+    /// Models of several masses are not fitted to several tests.
+    CR504 ChainsNotJoint { models: Vec<String> }
+    bears on (About::Model(String::new()), Weight::None)
+    decided "The joint fit takes models of one mass. Sensors of the compartment do not show how the mass divides."
+    means "These models are missing from the joint result. The models of one mass are fitted to all tests."
+    remedy "nothing; the run of a single test fits them to that test"
+    says format!(
+        "{}: not fitted to several tests, because sensors of the compartment do not show the mass split",
+        models.join(", ")
+    );
+
+    /// One of the tests has no fit of a model, so that none to all tests is made.
+    CR505 NoFitOfOneTest { model: String, test: String }
+    bears on (About::Model(String::new()), Weight::Slight)
+    decided "The joint fit starts from the fits to the single tests. This test has none of the model."
+    means "The model is missing from the joint result. Other models are not touched by it."
+    remedy "read the remarks that begin with the name of the test, or leave that test out"
+    says format!("{model}: not fitted to all tests, {test} alone has no fit of it");
+
+    /// A model was fitted to every test, and the joint fit gave no candidate.
+    CR506 NotJoint { model: String, reason: String }
+    bears on (About::Model(model.clone()), Weight::Marked)
+    decided "No start had a finite response, the computation failed, or it reached its limit. The limit is the work of \
+             250 million samples for each start and test, a hundred times what the fits of an ordinary record take."
+    means "The model is missing from the joint result. Other models are not touched by it."
+    remedy "check mass, impact speed and unit of every test, or leave the model out of models"
+    says format!("{model}: not fitted to all tests, {reason}");
 }
 
 #[cfg(test)]

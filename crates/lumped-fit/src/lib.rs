@@ -120,8 +120,8 @@ pub use extraction::extract::extract;
 pub use extraction::problem::{AskedCurve, Extraction, ExtractionTest, MeasuredElement, MeasuredMass};
 pub use fit::as_measured::fit_as_measured;
 pub use fit::problem::SingleMassFitOptions;
-pub use joint::{JointTest, RateFactorSource, fit_together};
-pub use matching::{CoefficientSpread, Identified, MassDivisions, Matched, Quartic};
+pub use joint::{JointTest, REMARKS as JOINT_REMARKS, RateFactorSource, fit_together};
+pub use matching::{CoefficientSpread, Identified, MassDivisions, Matched, Quartic, REMARKS as MATCHING_REMARKS};
 pub use papers::{
     FireflyOptions, FireflyUnits, curve_fit_of_the_paper, front_from_amplitudes, match_as_the_paper_typed,
     maxwell_from_sum, rear_from_amplitudes,
@@ -132,8 +132,12 @@ pub use record::sensor::{FitQuantity, Sensor, SensorFit, SensorPlace, TestData, 
 pub use selection::choice::{Choice, Strength};
 pub use selection::compared::{ComparedCandidate, EnergyClass, SelectionRules, depends_on_rate};
 pub use selection::rating::Rated;
-pub use solvers::closed_forms::{ONE_MASS_RATE_S_PER_M, RATE_PRIOR_S_PER_M};
-pub use solvers::table::{SolveSettings, solve};
+pub use solvers::closed_forms::{ONE_MASS_RATE_S_PER_M, RATE_PRIOR_S_PER_M, REMARKS as CLOSED_FORM_REMARKS};
+pub use solvers::fitting::REMARKS as PLACE_REMARKS;
+pub use solvers::load_paths::REMARKS as LOAD_PATH_REMARKS;
+pub use solvers::sensors::{MassesTaken, REMARKS as SENSOR_REMARKS};
+pub use solvers::single_mass::REMARKS as SINGLE_MASS_REMARKS;
+pub use solvers::table::{REMARKS as SOLVE_REMARKS, SolveSettings, solve};
 pub use uncertainty::assessment::AssessmentOptions;
 pub use uncertainty::propagation::{FollowedEvents, InputUncertainty, Repetition, propagate};
 pub use uncertainty::uncertain_inputs::{TIME_ZERO_S, WithInputs};

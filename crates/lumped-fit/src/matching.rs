@@ -6,7 +6,7 @@ use crumple_lumped::{
     CoefficientMatch, CoefficientMatching, Complex, DoubleSpringMassDamper, MatchedSolution, Model,
     PhysicalCoordinates, Reading, RealisedModel, matching_sensitivity,
 };
-use crumple_signal::{Note, Notes};
+use crumple_signal::{About, Note, Notes, Weight, remarks};
 use nalgebra::Matrix4;
 
 use crate::candidate::{Candidate, Method, Uncertainty};
@@ -129,13 +129,14 @@ impl Identified {
         };
         let coefficient_match = matching.solve();
         let sweep = swept(&matching)?;
-        let solutions_in_words = solutions_in_words(&coefficient_match);
-        let physical = coefficient_match.solutions.iter().any(|s| s.physical);
-        let text = format!("{}: {solutions_in_words}", self.id);
-        if physical {
-            notes.info(text);
+        let counts = Counts::of(&coefficient_match);
+        let solutions_in_words = counts.in_words();
+        let Counts { real, physical, mass_ratio, largest_mass_ratio, real_roots } = counts;
+        let id = self.id.clone();
+        if physical > 0 {
+            notes.push(MatchedSolutions { id, real, physical, mass_ratio, largest_mass_ratio });
         } else {
-            notes.warning(text);
+            notes.push(NoPhysicalSolution { id, real, mass_ratio, largest_mass_ratio, real_roots });
         }
 
         // Places of the real solutions among the candidates.
@@ -191,13 +192,8 @@ impl Identified {
         }
         let mut remarks = vec![solutions_in_words, format!("used: the {} {}", self.source, self.id)];
         if self.delay_s != 0.0 {
-            let text = format!(
-                "its input has a delay of {:.3} ms, which the poles do not contain: springs and dampers do not depend \
-                 on it, and their simulation starts at contact",
-                1e3 * self.delay_s
-            );
-            notes.info(format!("{}: {text}", self.id));
-            remarks.push(text);
+            notes.push(DelayedInput { id: self.id.clone(), delay_s: self.delay_s });
+            remarks.push(delay_in_words(self.delay_s));
         }
         if let Some(zeta) = zeta_of_the_start {
             remarks.push(start_remark(zeta, &coefficient_match));
@@ -267,32 +263,66 @@ fn start_remark(zeta: f64, coefficient_match: &CoefficientMatch) -> String {
     format!("the start of the motion implies c1 c2/(m1 m2) = {zeta:.6} 1/s²{root}")
 }
 
+/// The remark on a delay of the input.
+fn delay_in_words(delay_s: f64) -> String {
+    format!(
+        "its input has a delay of {:.3} ms, which the poles do not contain: springs and dampers do not depend on it, \
+         and their simulation starts at contact",
+        1e3 * delay_s
+    )
+}
+
 /// How many solutions are real and how many physical, and whether the mass ratio allows a physical one at all.
-fn solutions_in_words(coefficient_match: &CoefficientMatch) -> String {
-    let count = |which: &dyn Fn(&MatchedSolution) -> bool| -> usize {
-        coefficient_match.solutions.iter().filter(|s| which(s)).map(|s| s.multiplicity).sum()
-    };
-    let (real, physical) = (count(&|s| s.real), count(&|s| s.physical));
-    let ratio = coefficient_match.m2_kg / coefficient_match.m1_kg;
-    let bound = match coefficient_match.largest_mass_ratio {
-        // Counted, not compared: at the bound itself one damper is zero and the set is still physical.
-        Some(bound) if physical > 0 => format!("m2/m1 = {ratio:.4} is not above its bound {bound:.5}"),
-        Some(bound) if real == 0 => {
-            format!(
-                "m2/m1 = {ratio:.4} is above its bound {bound:.5}, so no parameter set with these masses is physical"
-            )
+#[derive(Debug, Clone, Copy)]
+struct Counts {
+    real: usize,
+    physical: usize,
+    /// m2/m1.
+    mass_ratio: f64,
+    /// The bound of it; `None`: no masses make a solution physical.
+    largest_mass_ratio: Option<f64>,
+    /// Real roots of the cubic, each once.
+    real_roots: usize,
+}
+
+impl Counts {
+    fn of(coefficient_match: &CoefficientMatch) -> Self {
+        let count = |which: &dyn Fn(&MatchedSolution) -> bool| -> usize {
+            coefficient_match.solutions.iter().filter(|s| which(s)).map(|s| s.multiplicity).sum()
+        };
+        Self {
+            real: count(&|s| s.real),
+            physical: count(&|s| s.physical),
+            mass_ratio: coefficient_match.m2_kg / coefficient_match.m1_kg,
+            largest_mass_ratio: coefficient_match.largest_mass_ratio,
+            real_roots: coefficient_match.roots.iter().filter(|root| root.zeta.im == 0.0).count(),
         }
-        Some(bound) => format!(
-            "m2/m1 = {ratio:.4} is above its bound {bound:.5}, so no parameter set with these masses is physical: {}",
-            match coefficient_match.roots.iter().filter(|root| root.zeta.im == 0.0).count() {
-                0 | 1 => "at the only real root of the cubic c1 c2 < 0",
-                _ if real > 2 => "at the real roots of the cubic c1 c2 < 0",
-                _ => "at the only root of the cubic with real springs and dampers c1 c2 < 0",
+    }
+
+    fn in_words(self) -> String {
+        let Self { real, physical, mass_ratio: ratio, .. } = self;
+        let bound = match self.largest_mass_ratio {
+            // Counted, not compared: at the bound itself one damper is zero and the set is still physical.
+            Some(bound) if physical > 0 => format!("m2/m1 = {ratio:.4} is not above its bound {bound:.5}"),
+            Some(bound) if real == 0 => {
+                format!(
+                    "m2/m1 = {ratio:.4} is above its bound {bound:.5}, so no parameter set with these masses is \
+                     physical"
+                )
             }
-        ),
-        None => "the polynomial is not that of a passive chain of two masses, whatever the masses".to_owned(),
-    };
-    format!("6 solutions, {real} real, {physical} physical (springs positive, dampers not negative); {bound}")
+            Some(bound) => format!(
+                "m2/m1 = {ratio:.4} is above its bound {bound:.5}, so no parameter set with these masses is physical: \
+                 {}",
+                match self.real_roots {
+                    0 | 1 => "at the only real root of the cubic c1 c2 < 0",
+                    _ if real > 2 => "at the real roots of the cubic c1 c2 < 0",
+                    _ => "at the only root of the cubic with real springs and dampers c1 c2 < 0",
+                }
+            ),
+            None => "the polynomial is not that of a passive chain of two masses, whatever the masses".to_owned(),
+        };
+        format!("6 solutions, {real} real, {physical} physical (springs positive, dampers not negative); {bound}")
+    }
 }
 
 /// The remark on whether the zero of the identified numerator is that of `c2 s + k2`, within 5 %.
@@ -388,4 +418,60 @@ impl CoefficientSpread {
             residual_autocorrelation: None,
         })
     }
+}
+
+remarks! {
+    /// Remarks of coefficient matching.
+    pub REMARKS;
+
+    /// Coefficient matching of an identified model gave physical sets of parameters.
+    CR507 MatchedSolutions {
+        id: String, real: usize, physical: usize, mass_ratio: f64, largest_mass_ratio: Option<f64>
+    }
+    bears on (About::Model(String::new()), Weight::None)
+    decided "For given masses the characteristic polynomial of the double model has six solutions. Physical are those \
+             whose springs are positive and whose dampers are not negative (docs/methods/parameter-solve.md)."
+    means "Each real solution is a candidate. All of them have the poles of the identified model: the poles do not \
+           tell which one is the vehicle."
+    remedy "nothing; an identified model with an output of the chassis tells the solutions apart"
+    says {
+        let (mass_ratio, largest_mass_ratio) = (*mass_ratio, *largest_mass_ratio);
+        let counts = Counts { real: *real, physical: *physical, mass_ratio, largest_mass_ratio, real_roots: 0 };
+        format!("{id}: {}", counts.in_words())
+    };
+
+    /// With these masses no set of parameters has the poles of the identified model and is physical.
+    CR508 NoPhysicalSolution {
+        id: String, real: usize, mass_ratio: f64, largest_mass_ratio: Option<f64>, real_roots: usize
+    }
+    bears on (About::Model(String::new()), Weight::Slight)
+    decided "Physical are springs that are positive and dampers that are not negative. With the polynomial s^4 + t s^3 \
+             + u s^2 + v s + w every real solution is physical up to m2/m1 = (t u v - v^2 - t^2 w)/v^2, and none above \
+             it (docs/methods/parameter-solve.md)."
+    means "No vehicle with these masses has these poles. Real solutions, where there are any, have a negative spring \
+           or damper."
+    remedy "put more mass in front (front_mass_fraction) until m2/m1 is below the bound; without a bound identify \
+            another model"
+    says {
+        let (mass_ratio, largest_mass_ratio) = (*mass_ratio, *largest_mass_ratio);
+        let counts = Counts { real: *real, physical: 0, mass_ratio, largest_mass_ratio, real_roots: *real_roots };
+        format!("{id}: {}", counts.in_words())
+    };
+
+    /// The input of the identified model has a delay.
+    CR509 DelayedInput { id: String, delay_s: f64 }
+    bears on (About::Model(String::new()), Weight::None)
+    decided "The identified model states the delay of its input."
+    means "Springs and dampers follow from the poles and do not depend on the delay. The simulated motion starts at \
+           contact; the identified model starts later by the delay."
+    remedy "nothing"
+    says format!("{id}: {}", delay_in_words(*delay_s));
+
+    /// Candidates of a paper's printed polynomial stand beside the candidates of the test.
+    CR510 PrintedPolynomial {}
+    bears on (About::Model(String::new()), Weight::Slight)
+    decided "The run asks for them: --paper tfest."
+    means "They reproduce the transfer-function paper. They say nothing about this vehicle."
+    remedy "leave paper out, unless the paper is to be reproduced"
+    says "the candidates of --paper tfest are those of the paper's printed polynomial, not of this test";
 }

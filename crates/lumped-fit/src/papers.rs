@@ -17,7 +17,7 @@ use crate::closed_form::MaxwellExponents;
 use crate::error::{SolveError, positive};
 use crate::fit::nonlinear::{KNOTS, coordinates, parts};
 use crate::fit::problem::{AtCrush, Problem, SingleMassFitOptions};
-use crate::matching::{Identified, Matched, Quartic};
+use crate::matching::{Identified, Matched, PrintedPolynomial, Quartic};
 use crate::parameters::Map;
 
 /// Least squares of `y = intercept + slope x`, as `(intercept, slope)`. Sums are taken about the mean, which avoids
@@ -511,9 +511,7 @@ pub fn match_as_the_paper_typed(first_index: usize, notes: &mut Notes) -> Result
         }
         results.push(matched);
     }
-    notes.warning(
-        "the candidates of --paper tfest are those of the paper's printed polynomial, not of this test".to_owned(),
-    );
+    notes.push(PrintedPolynomial {});
     Ok(results)
 }
 

@@ -313,13 +313,15 @@ fn row(out: &mut String, run: &IndexedRun<'_>, several: bool) {
             let said: Vec<String> = word.into_iter().chain(model).collect();
             let said = if said.is_empty() { texts.none.to_owned() } else { said.join(": ") };
             let reason = shortened(&summary.verdict.status_sentence, OF_WARNING);
-            write!(out, "<td>{}<br><small>{}</small>", html(&said), html(&reason))
+            let answers = summary.verdict.answers().map(|(label, text)| format!("{label}: {text}"));
+            let answers = Vec::from_iter(answers).join("; ");
+            write!(out, "<td title=\"{}\">{}<br><small>{}</small>", html(&answers), html(&said), html(&reason))
         }
         None if run.is_done() => write!(out, "<td>{}", texts.none),
         None => write!(out, "<td><b>{}</b>", status(run.exit_code)),
     };
     let warning = match summary.and_then(|summary| summary.concerns.first()) {
-        Some(concern) if run.is_done() => &concern.text,
+        Some(concern) if run.is_done() => &concern.with_code(),
         _ if run.is_done() => "",
         _ => line_of(&run.error, texts.no_word),
     };

@@ -25,7 +25,7 @@ pub use figures::all::all_figures;
 pub use findings::{
     CandidateResult, CandidateSummary, Concern, Conclusion, Element, IdentifiabilityCounts, JointTests, Kind, LeftOut,
     MeasuredWaves, MetricSummary, Model, ModelOutput, Number, OF_SEVERAL_TESTS, OtherMetricSummary, OverviewLine,
-    Ranking, ResultStatus, Run, SensorMotion, StageRecord, Status, StatusReason, Summary, TestOfJointModel,
+    Ranking, ResultStatus, Run, SensorMotion, Soundness, StageRecord, Status, StatusReason, Summary, TestOfJointModel,
     TestSummary, compare_ids, conclusion, model_year, overview, summary, summary_schema,
 };
 pub use index::pulse_line;

@@ -8,6 +8,7 @@ use anyhow::Context;
 use clap::CommandFactory;
 use crumple_stage::{Call, ChainStage, Usage, by_way, chain};
 
+use crate::fail_on::FailOn;
 use crate::names::{PIPELINE_OF_A_RUN, folder_of_record};
 use crate::program::{Commands, NamedPrograms, Program};
 use crate::words::{Words, request_for_information};
@@ -59,6 +60,11 @@ pub struct Options {
     /// behind the record too.
     #[arg(long, value_name = "STAGE.OPTION=VALUE", conflicts_with = "again")]
     pub(crate) set: Vec<String>,
+
+    /// Ends with exit code 4 where the run remarks such a code (`CR203`), its record is `check` or `wrong`, or its status
+    /// is `usable-with-care` or `do-not-use`; the graver word fails with the lighter one. For CI.
+    #[arg(long, value_name = "CODE|WORD,...", value_delimiter = ',')]
+    pub(crate) fail_on: Vec<FailOn>,
 
     #[command(flatten)]
     pub(crate) programs: NamedPrograms,

@@ -34,6 +34,7 @@ mod folder {
     pub mod content;
     pub mod lock;
 }
+mod fail_on;
 mod messages;
 mod names;
 mod passport {
@@ -67,7 +68,6 @@ use std::path::Path;
 use crumple_stage::{Call, ExitStatus, Program, run_tool};
 
 use command::{Options, named, sorted};
-pub use program::hold;
 use together::joint_run::TogetherOptions;
 
 /// `crumple-run`: one record.

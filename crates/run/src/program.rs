@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::env::consts::EXE_SUFFIX;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf, is_separator};
-use std::sync::OnceLock;
+
 use std::{env, fs, process};
 
 use crumple_stage::{Refused, Usage, chain, program, refuse_unknown_variables, unknown_name, variable_of};

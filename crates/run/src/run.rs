@@ -9,6 +9,7 @@ use crumple_artifact::remove_in_order;
 use crumple_stage::{ExitStatus, Usage, by_way, chain, memory_limit_flag, say};
 
 use crate::command::{Options, Pipeline, Stage, chain_of, dependents, stages_of};
+use crate::fail_on::after_limits;
 use crate::folder::content::{
     PipelineOfRun, folder_of_new_results, pipeline_before, refuse_files_of_others, refuse_links, state_of, sweep,
     written,
@@ -107,11 +108,9 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
                 say(format_args!("{:<16} up to date: {}", "run", run.folder.path().display()));
                 run.answer_again()?;
             }
-            return Ok(if code == ExitStatus::NoAcceptableResult as u8 {
-                ExitStatus::NoAcceptableResult
-            } else {
-                status
-            });
+            let is_without = code == ExitStatus::NoAcceptableResult as u8;
+            let status = if is_without { ExitStatus::NoAcceptableResult } else { status };
+            return after_limits(run.folder.path(), &options.fail_on, status);
         }
         if let Some(before) = before.filter(|_| !is_kept) {
             say_what_is_replaced(before, &output, run.folder.path());
@@ -121,7 +120,7 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
         composed.note_end(&state, status as u8);
     }
     given.keep(folder.path(), &composed)?;
-    Ok(status)
+    after_limits(folder.path(), &options.fail_on, status)
 }
 
 /// Errors: no record stands in front of the flags.

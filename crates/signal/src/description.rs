@@ -183,6 +183,29 @@ impl TestKind {
     }
 }
 
+/// How a vehicle met what it hit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Overlap {
+    /// It was stopped by it.
+    Full,
+    /// It slid past it and kept a part of its speed, as in a small overlap.
+    Glancing,
+}
+
+impl Overlap {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Full, Self::Glancing];
+
+    /// The name in options and records.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Full => "full",
+            Self::Glancing => "glancing",
+        }
+    }
+}
+
 /// What was tested, and what says so.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct KindOfTest {
@@ -219,6 +242,8 @@ pub struct TestDescription {
     pub exchange_asked: bool,
     /// What was tested; `None`: nothing says that it is anything but a vehicle.
     pub kind: Option<KindOfTest>,
+    /// How it met what it hit; `None`: nobody states it.
+    pub overlap: Option<Overlap>,
 }
 
 /// Why no channel can be taken as the pulse.

@@ -35,7 +35,7 @@ pub use chain_table::{MassOfTable, NumberOfTable, TakenNumbers, read_chain, tota
 pub use command_line::args::{is_shared_flag, keep_budget, memory_limit_flag};
 pub use command_line::left_out::LeftOut;
 pub use command_line::pipeline::pipeline_table;
-pub use command_line::pipeline_file::Pipeline;
+pub use command_line::pipeline_file::{Pipeline, refuse_unknown_code};
 pub use crumple_artifact::{Artifact, InputDigest, Record, Wave, records};
 pub use environment::{refuse_unknown_variables, variable_of, variables};
 pub use error::{ExitStatus, MissingTopic, RefuseExt, Refused, Usage, unknown_name};

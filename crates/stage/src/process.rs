@@ -11,7 +11,7 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Arg, Command, CommandFactory, FromArgMatches};
 use crumple_artifact::records::{DiagnosisV1, NotesV1, RemarkV1, RemarksV1};
 use crumple_artifact::{Artifact, InputDigest, OutputKind, Provenance, WriteError};
-use crumple_signal::{About, ConcernContext, Kind, Note};
+use crumple_signal::{About, ConcernContext, Kind, Note, Weight};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -33,7 +33,10 @@ impl Output {
     /// No acceptable result, in the words of the first warning about a model, and how many more there are; `otherwise`
     /// without any. `remedy`: see [`Output::remedy`].
     pub fn no_result(&mut self, otherwise: &str, remedy: &str) -> Outcome {
-        let is_of_a_model = |note: &&Note| matches!(&note.bearing, Some(ConcernContext { about: About::Model(_), .. }));
+        let is_of_a_model = |note: &&Note| {
+            let bearing = note.bearing.as_ref().filter(|bearing| bearing.weight > Weight::None);
+            matches!(bearing, Some(ConcernContext { about: About::Model(name), .. }) if !name.is_empty())
+        };
         let texts: Vec<&str> = self.notes.iter().filter(is_of_a_model).map(|note| note.text.as_str()).collect();
         let reason = match texts[..] {
             [] => otherwise.to_owned(),

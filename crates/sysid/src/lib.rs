@@ -81,7 +81,7 @@ pub use validation::bootstrap::{
     BandPoint, Bootstrap, BootstrapOptions, NoSpread, RecordLength, Sample, Spread, bootstrap,
 };
 pub use validation::cancellation::{Cancelled, cancelled_poles};
-pub use validation::caveats::{FilterEdge, caveats, pole_notes, weak_fit};
+pub use validation::caveats::{FilterEdge, REMARKS as CAVEAT_REMARKS, WeakFit, caveats, pole_notes, weak_fit};
 pub use validation::input_hold::{LineLoss, is_staircase, line_loss};
 pub use validation::model_choice::{
     DelayScan, OnUnseen, Recommendable, arx_orders, delay_scan, noise_of_orders, recommended, smallest,

@@ -14,7 +14,7 @@ use crumple_testkit::instructions::{self, Counts};
 use crumple_testkit::interval_cover::{Choices, Cover, DRAWN, FAMILIES, choices_of, cover_of};
 use crumple_testkit::made_fleet::write_fleet;
 use crumple_testkit::prediction_error::{KINDS, outcomes, tables};
-use crumple_testkit::truth::{self, Extent, Made, Net, Registry, RunCase, cases};
+use crumple_testkit::truth::{self, Explained, Extent, Made, Net, Registry, RunCase, cases};
 use crumple_testkit::workspace;
 use rayon::prelude::*;
 
@@ -407,7 +407,7 @@ fn hold_against_truth(bin: &Path, extent: Extent, wanted: &[String]) -> Result<b
     std::fs::remove_dir_all(&folder)?;
     let failed = runs.iter().filter_map(|run| run.as_ref().err()).inspect(|error| eprintln!("error: {error}")).count();
     let registry = Registry::new();
-    let mut net = Net::default();
+    let mut net = Net::new(Explained::by(bin).map_err(|error| error.to_string())?);
     runs.iter().flatten().for_each(|made| net.read(&registry, made));
     print!("{}", net.table(&registry));
     let without = registry.without_rule();

@@ -62,6 +62,7 @@ fn test() -> TestV1 {
         time_zero: None,
         contact: None,
         exchange_asked: false,
+        overlap: None,
         kind: None,
     }
 }

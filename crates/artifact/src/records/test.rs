@@ -1,7 +1,7 @@
 //! Record of the test: its source, its channels, its contact.
 
 use crumple_signal::{
-    Axis, Channel, Contact, Distribution, KindOfTest, QuantityKind, Source, Spread, TestDescription, TestKind,
+    Axis, Channel, Contact, Distribution, KindOfTest, Overlap, QuantityKind, Source, Spread, TestDescription, TestKind,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -42,6 +42,10 @@ pub struct TestV1 {
     /// What was tested; `null`: nothing says that it is anything but a vehicle.
     #[serde(default)]
     pub kind: Option<KindV1>,
+    /// How the vehicle met what it hit: `full`, or `glancing`, where it slid past and kept a part of its speed; `null`:
+    /// nobody states it.
+    #[serde(default)]
+    pub overlap: Option<String>,
 }
 
 /// What was tested, and what says so.
@@ -142,6 +146,7 @@ impl From<&TestDescription> for TestV1 {
             contact: test.contact.as_ref().map(ContactV1::from),
             exchange_asked: test.exchange_asked,
             kind: test.kind.as_ref().map(|of| KindV1 { name: of.kind.name().to_owned(), rule: of.rule.clone() }),
+            overlap: test.overlap.map(|overlap| overlap.name().to_owned()),
         }
     }
 }
@@ -193,8 +198,14 @@ impl TryFrom<TestV1> for TestDescription {
             contact,
             exchange_asked: test.exchange_asked,
             kind: test.kind.map(KindOfTest::try_from).transpose()?,
+            overlap: test.overlap.map(overlap).transpose()?,
         })
     }
+}
+
+fn overlap(name: String) -> Result<Overlap, ConversionError> {
+    let of = Overlap::ALL.into_iter().find(|of| of.name() == name);
+    of.ok_or_else(|| ConversionError(format!("{name:?} is no overlap, expected full or glancing")))
 }
 
 impl TryFrom<KindV1> for KindOfTest {

@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use crumple_signal::{About, Note, Weight};
+use crumple_signal::{About, Note, Weight, remarks};
 use crumple_stage::records::{
     FoundDelayV1, NoiseModelV1, OutliersV1, RecordChecksV1, StabilizationClusterV1, StabilizationPoleV1,
     StabilizationV1, TrendV1,
@@ -17,7 +17,7 @@ use rayon::prelude::*;
 
 use crate::stage::options::choices::Hold;
 use crate::stage::options::settings::{InputOutputSettings, Settings};
-use crate::stage::waves::{Source, WindowedWave, flag, record, waves, widen_the_window};
+use crate::stage::waves::{Source, WindowedWave, behind_blank, flag, record, waves, widen_the_window};
 
 /// Samples that the delay is looked for in, and trends and outliers, from the first on.
 const SAMPLES_OF_DELAY: usize = 4000;
@@ -47,11 +47,7 @@ pub fn prepared(source: Source<'_>, out: &mut Output) -> anyhow::Result<(Setting
     let Some(input_output) = &mut settings.input_output else { return Ok((settings, checks)) };
     if !checks.inputs_left_out.is_empty() {
         input_output.inputs.retain(|name| !checks.inputs_left_out.contains(name));
-        let text = format!(
-            "the methods run without {}, which is constant over the samples in use: it drives nothing",
-            checks.inputs_left_out.join(", ")
-        );
-        out.notes().concern(About::IdentifiedModels, Weight::Slight, text);
+        out.notes().push(ConstantInput { inputs: checks.inputs_left_out.clone() });
     }
     if settings.methods.iter().any(|method| method.takes_inputs()) {
         choose_hold(Source { settings: source.settings, ..source }, input_output, out);
@@ -115,30 +111,27 @@ fn choose_hold(source: Source<'_>, input_output: &mut InputOutputSettings, out: 
     // Where the waveforms are refused, the methods say so.
     let Ok(record) = record(source, input_output) else { return };
     let is_still = |wave: &&WindowedWave| is_staircase(wave.sampled.samples());
-    let still: Vec<&str> = record.inputs.iter().filter(is_still).map(|wave| wave.id.as_str()).collect();
-    if still.is_empty() || input_output.hold == Hold::ZeroOrder {
+    let inputs: Vec<String> = record.inputs.iter().filter(is_still).map(|wave| wave.id.clone()).collect();
+    if inputs.is_empty() || input_output.hold == Hold::ZeroOrder {
         return;
     }
-    let stands = match still.len() {
-        1 => format!("{} stands still between its jumps", still[0]),
-        _ => format!("{} stand still between their jumps", still.join(", ")),
-    };
-    match (input_output.hold_is_given, still.len() == record.inputs.len()) {
-        (false, true) => {
-            input_output.hold = Hold::ZeroOrder;
-            let text = format!("{stands}: steps between samples are taken, as --hold zero-order does");
-            out.notes().info(text.clone());
-            out.summary(format!("hold: {text}"));
-        }
-        (given, all) => {
-            let mixed = if all { "" } else { ", the other inputs do not" };
-            let asked = if given { "--hold first-order takes" } else { "all inputs have" };
-            let text = format!(
-                "{stands}{mixed}: {asked} straight lines between samples, which move a staircase by half a sample; \
-                 --hold zero-order takes steps"
-            );
-            out.notes().concern(About::IdentifiedModels, Weight::Marked, text);
-        }
+    let of_inputs = record.inputs.len();
+    if !input_output.hold_is_given && inputs.len() == of_inputs {
+        input_output.hold = Hold::ZeroOrder;
+        let note = Note::from(StepsTaken { inputs });
+        out.summary(format!("hold: {}", note.text));
+        out.notes().push(note);
+        return;
+    }
+    let asked_hold = input_output.hold_is_given.then(|| input_output.hold.to_string());
+    out.notes().push(LinesOverSteps { inputs, of_inputs, asked_hold });
+}
+
+/// Which inputs stand still.
+fn standing_still(inputs: &[String]) -> String {
+    match inputs {
+        [one] => format!("{one} stands still between its jumps"),
+        several => format!("{} stand still between their jumps", several.join(", ")),
     }
 }
 
@@ -165,25 +158,16 @@ fn delay(
         false => found,
     });
     let Some((tried, scan)) = found else {
-        let text = format!("no delay from {first} to {last} has a model in {} samples: 0 is used", data.samples());
-        out.notes().concern(About::IdentifiedModels, Weight::Slight, text);
+        out.notes().push(NoDelayFound { first, last, samples: data.samples() });
         return Ok(None);
     };
     let samples = scan.lag.saturating_sub(1);
     let seconds = samples as f64 * data.sample_time_s();
     out.summary(format!("delay: {samples} samples ({seconds:.6} s), the best of 0 to {tried}"));
     let is_last = scan.lag == tried + 1;
-    let is_asked = (first..=last).contains(&samples);
-    let text = match (is_last, is_asked) {
-        (true, _) => {
-            format!("is at the edge of what was tried, 0 to {tried}: try a wider range, --delay auto=0-{}", 2 * tried)
-        }
-        (_, false) => format!("lies beyond the edge of the scan asked for, {first} to {last}, and is used"),
-        _ => String::new(),
-    };
-    if !text.is_empty() {
-        let text = format!("the delay of {samples} samples {text}");
-        out.notes().concern(About::IdentifiedModels, Weight::Marked, text);
+    if is_last || !(first..=last).contains(&samples) {
+        let wider = is_last.then_some(2 * tried);
+        out.notes().push(DelayAtEdge { samples, first, last, tried, wider });
     }
     let size = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
     Ok(Some(FoundDelayV1 {
@@ -231,27 +215,13 @@ pub fn finish(
     for (answer, (line, places)) in record.outputs.iter().zip(checked) {
         if let Some(found) = line {
             let slope_per_s = found.slope / data.sample_time_s();
-            let text = format!(
-                "{} follows a straight line of {slope_per_s:.3e}{}/s beside its motion, and a model takes it for a \
-                 slow mode; --remove-trend removes it",
-                answer.id,
-                answer.unit()
-            );
-            out.notes().concern(About::IdentifiedModels, Weight::Marked, text);
+            out.notes().push(FollowsLine { output: answer.id.clone(), slope_per_s, unit: answer.unit().to_owned() });
             checks.trends.push(TrendV1 { channel: answer.id.clone(), slope_per_s, bic_gain: found.bic_gain });
         }
         if !places.is_empty() {
             let times_s: Vec<f64> = places.iter().map(|place| answer.sampled.time_s(place + delay)).collect();
-            let said: Vec<String> = times_s.iter().take(SAID).map(|time| format!("{time:.6} s")).collect();
-            let more = if times_s.len() > SAID { " and later" } else { "" };
-            let text = format!(
-                "outliers in {}: {} of its samples stand out of the errors of a model, at {}{more}; they move \
-                 frequencies and damping ratios",
-                answer.id,
-                places.len(),
-                said.join(", ")
-            );
-            out.notes().concern(About::IdentifiedModels, Weight::Marked, text);
+            let times = times_s.iter().take(SAID).map(|time| format!("{time:.6} s")).collect();
+            out.notes().push(OutliersFound { output: answer.id.clone(), count: places.len(), times });
             let samples = places.iter().map(|place| (place + delay) as u64).collect();
             checks.outliers.push(OutliersV1 { channel: answer.id.clone(), samples, times_s });
         }
@@ -274,7 +244,7 @@ pub fn put_ambient(source: Source<'_>, out: &mut Output) -> anyhow::Result<Optio
     let found = match ambient_modes(&record.data, options) {
         Ok(found) => found,
         Err(error) => {
-            out.notes().info(format!("no modes over orders and halves of the record: {error}"));
+            out.notes().push(AmbientLeftOut { reason: Some(error.to_string()), count: None });
             return Ok(None);
         }
     };
@@ -294,19 +264,12 @@ pub fn put_ambient(source: Source<'_>, out: &mut Output) -> anyhow::Result<Optio
         count => format!("ambient: {count} modes over orders and both halves: {}", names.join(", ")),
     });
     if found.not_in_both_halves > 0 {
-        out.notes().info(format!(
-            "ambient: {} more stay over the orders but not in both halves of the record, and are left out",
-            found.not_in_both_halves
-        ));
+        out.notes().push(AmbientLeftOut { reason: None, count: Some(found.not_in_both_halves) });
     }
     for HarmonicLine { frequency_rad_per_s, damping_ratio, kurtosis } in &found.harmonics {
-        let text = format!(
-            "ambient: {:.3} Hz is a harmonic line, a machine that runs, and no mode: its damping of \
-             {damping_ratio:.1e} is zero within its error, and the kurtosis of its band is {kurtosis:.2} (a sine has \
-             1.5, a mode in noise 3)",
-            frequency_rad_per_s / TAU
-        );
-        let note = Note::warning(text).bears_on(About::IdentifiedModels, Weight::Slight);
+        let frequency_hz = frequency_rad_per_s / TAU;
+        let (damping_ratio, kurtosis) = (*damping_ratio, *kurtosis);
+        let note = Note::from(RunningMachine { frequency_hz, damping_ratio, kurtosis });
         out.summary(note.to_string());
         out.notes().push(note);
     }
@@ -358,4 +321,128 @@ fn diagram(found: &AmbientModes, channel: String, options: AmbientOptions) -> St
             .collect(),
         not_in_both_halves: Some(size(found.not_in_both_halves)),
     }
+}
+
+remarks! {
+    /// Remarks of records.
+    pub REMARKS;
+
+    /// An input is constant: the methods run without it.
+    CR415 ConstantInput { inputs: Vec<String> }
+    bears on (About::IdentifiedModels, Weight::Slight)
+    decided "The input varies by no more than rounding, 1e-12 of its largest value, over the samples in use."
+    means "A constant drives nothing, and no model has a path from it. Models of the other inputs are as they are."
+    remedy "name inputs that vary: --inputs, or widen the window: --from, --to"
+    says format!(
+        "the methods run without {}, which is constant over the samples in use: it drives nothing",
+        inputs.join(", ")
+    );
+
+    /// All inputs are staircases: the models take steps between the samples.
+    CR416 StepsTaken { inputs: Vec<String> }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "Every input stands still between its jumps, and no --hold is given."
+    means "The continuous models hold for an input that keeps each value until the next sample."
+    remedy "nothing; --hold first-order takes straight lines"
+    says format!("{}: steps between samples are taken, as --hold zero-order does", standing_still(inputs));
+
+    /// An input is a staircase, and the models take straight lines between its samples.
+    CR417 LinesOverSteps { inputs: Vec<String>, of_inputs: usize, asked_hold: Option<String> }
+    bears on (About::IdentifiedModels, Weight::Marked)
+    decided "The input stands still between its jumps. Straight lines are asked for, or another input does not stand \
+             still: all inputs have one hold."
+    means "Straight lines move a staircase by half a sample. Continuous poles, gains and phases are wrong by as much."
+    remedy "add --hold zero-order; where the other inputs need lines, identify them in a run of their own"
+    says {
+        let mixed = if inputs.len() == *of_inputs { "" } else { ", the other inputs do not" };
+        let asked = asked_hold.as_ref().map_or_else(|| "all inputs have".to_owned(), |h| format!("--hold {h} takes"));
+        format!(
+            "{}{mixed}: {asked} straight lines between samples, which move a staircase by half a sample; --hold \
+             zero-order takes steps",
+            standing_still(inputs)
+        )
+    };
+
+    /// No delay of the input has a model.
+    CR418 NoDelayFound { first: usize, last: usize, samples: usize }
+    bears on (About::IdentifiedModels, Weight::Slight)
+    decided "Each delay is tried with output error and with ARX of up to four poles, in the first 4000 samples at \
+             most. The record is too short for that, or no fit works."
+    means "The models have no delay. A true delay shows as extra poles and zeros."
+    remedy "state the delay in samples: --delay, or widen the window: --from, --to"
+    says format!("no delay from {first} to {last} has a model in {samples} samples: 0 is used");
+
+    /// The best delay is the last that was tried, or lies outside of the range that was asked for.
+    CR419 DelayAtEdge { samples: usize, first: usize, last: usize, tried: usize, wider: Option<usize> }
+    bears on (About::IdentifiedModels, Weight::Marked)
+    decided "The smallest BIC of the one-step prediction error decides among 0 to 19 samples, or up to the range asked \
+             for where it is wider."
+    means "The delay may be a longer one, or the range that was expected is wrong. Poles and gains depend on the delay."
+    remedy "try a wider range: --delay auto=0-N, and check the time axes of input and output"
+    says match wider {
+        Some(wider) => format!(
+            "the delay of {samples} samples is at the edge of what was tried, 0 to {tried}: try a wider range, --delay \
+             auto=0-{wider}"
+        ),
+        None => format!(
+            "the delay of {samples} samples lies beyond the edge of the scan asked for, {first} to {last}, and is used"
+        ),
+    };
+
+    /// An output drifts along a straight line beside its motion.
+    CR420 FollowsLine { output: String, slope_per_s: f64, unit: String }
+    bears on (About::IdentifiedModels, Weight::Marked)
+    decided "The noise model of the output gains more than ln N in BIC where straight lines are removed, and the \
+             system does not integrate."
+    means "A model takes the line for a slow mode. Its lowest frequency and its damping are those of the drift."
+    remedy "add --remove-trend, unless the drift is part of the motion"
+    says format!(
+        "{output} follows a straight line of {slope_per_s:.3e}{}/s beside its motion, and a model takes it for a slow \
+         mode; --remove-trend removes it",
+        behind_blank(unit)
+    );
+
+    /// Single samples of an output stand out of the errors of a model.
+    CR421 OutliersFound { output: String, count: usize, times: Vec<String> }
+    bears on (About::IdentifiedModels, Weight::Marked)
+    decided "The error of an output-error fit lies beyond six scaled median absolute deviations. Where more than 1 % \
+             of the samples do, none is named: the model is wrong."
+    means "Outliers move frequencies and damping ratios, and widen intervals."
+    remedy "correct these samples in the record, or choose a window without them: --from, --to"
+    says {
+        let more = if *count > times.len() { " and later" } else { "" };
+        format!(
+            "outliers in {output}: {count} of its samples stand out of the errors of a model, at {}{more}; they move \
+             frequencies and damping ratios",
+            times.join(", ")
+        )
+    };
+
+    /// Modes of a record without an input are left out, or were not looked for.
+    CR422 AmbientLeftOut { reason: Option<String>, count: Option<usize> }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "A mode must stay over half of the orders, and both halves of the record must show it: frequency within 4 \
+             %, MAC 0.9 or more."
+    means "What only one half shows comes and goes, or is noise. It is not among the modes of the record."
+    remedy "record for longer, or widen the window: --from, --to"
+    says match (reason, count) {
+        (Some(reason), _) => format!("no modes over orders and halves of the record: {reason}"),
+        (None, count) => format!(
+            "ambient: {} more stay over the orders but not in both halves of the record, and are left out",
+            count.unwrap_or_default()
+        ),
+    };
+
+    /// A frequency of a record without an input is the line of a machine that runs, and no mode.
+    CR423 RunningMachine { frequency_hz: f64, damping_ratio: f64, kurtosis: f64 }
+    bears on (About::IdentifiedModels, Weight::Slight)
+    decided "The damping ratio is zero within two deviations, sqrt(zeta/(w T)), and the kurtosis of the band is below \
+             2.25: a sine has 1.5, a mode in noise 3 (Jacobsen, Andersen & Brincker, ISMA 2006)."
+    means "The structure is shaken at this frequency. It is not among the modes, and its shape is no mode shape."
+    remedy "nothing; a record with the machine at rest shows whether a mode lies there too"
+    says format!(
+        "ambient: {frequency_hz:.3} Hz is a harmonic line, a machine that runs, and no mode: its damping of \
+         {damping_ratio:.1e} is zero within its error, and the kurtosis of its band is {kurtosis:.2} (a sine has 1.5, \
+         a mode in noise 3)"
+    );
 }

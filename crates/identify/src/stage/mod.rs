@@ -11,15 +11,19 @@ use std::fmt;
 use std::path::PathBuf;
 
 use crumple_numerics::estimation::work::determined;
-use crumple_signal::{About, Weight};
+use crumple_signal::{About, Kind, Weight, remarks};
 use crumple_stage::{Inputs, LeftOut, Loaded, Outcome, Output, Stage};
+use crumple_sysid::CAVEAT_REMARKS;
 
-use crate::stage::methods::{arx, discrete, era, exponentials, tfest};
+use crate::stage::methods::discrete::NoModel;
+use crate::stage::methods::{arx, discrete, era, exponentials, okid, subspace, tfest};
 use crate::stage::options::choices::Method;
 use crate::stage::options::flags::Options;
 use crate::stage::options::left_out::LEFT_OUT;
+use crate::stage::options::paper;
 use crate::stage::options::settings::Settings;
 use crate::stage::records::results::Results;
+use crate::stage::records::{discrete as records_of_discrete, model, realization, responses, results};
 use crate::stage::waves::{Source, level_note, window_start};
 
 /// The stage.
@@ -30,6 +34,25 @@ impl Stage for Identify {
     const BUILD: &'static str = env!("CRUMPLE_BUILD");
     const ABOUT: &'static str =
         "Identifies linear models from records: poles, natural frequencies, damping, and the evidence for them";
+    const REMARKS: &'static [&'static [&'static Kind]] = &[
+        CAVEAT_REMARKS,
+        checks::REMARKS,
+        waves::REMARKS,
+        REMARKS,
+        arx::REMARKS,
+        discrete::REMARKS,
+        era::REMARKS,
+        exponentials::REMARKS,
+        okid::REMARKS,
+        subspace::REMARKS,
+        tfest::REMARKS,
+        paper::REMARKS,
+        records_of_discrete::REMARKS,
+        model::REMARKS,
+        realization::REMARKS,
+        responses::REMARKS,
+        results::REMARKS,
+    ];
     type Options = Options;
     type Settings = Settings;
     type Input = Inputs;
@@ -54,14 +77,11 @@ impl Stage for Identify {
         }
         let settings = &settings;
         let source = Source { settings, test: &test, inputs };
-        if let (_, Some(rule)) = window_start(source)? {
-            out.notes().info(rule);
+        if let (_, Some(start)) = window_start(source)? {
+            out.notes().push(start);
         }
-        if let Some(rate) = settings.window_per_s {
-            out.notes().info(format!(
-                "the exponential window of {} s on the record is taken off every pole: {rate:.4}/s of its decay",
-                rate.recip()
-            ));
+        if let Some(rate_per_s) = settings.window_per_s {
+            out.notes().push(ExponentialWindow { time_constant_s: rate_per_s.recip(), rate_per_s });
         }
         let mut results = Results::new(out);
         let mut failures: Vec<(Method, Failure)> = Vec::new();
@@ -89,11 +109,8 @@ impl Stage for Identify {
         }
         // A method that fails does not take the others with it.
         for (method, failure) in failures {
-            out.notes().concern(
-                About::Method(method.to_string()),
-                Weight::Slight,
-                format!("{method} gave no model: {failure}"),
-            );
+            let method = method.to_string();
+            out.notes().push(NoModel { what: method.clone(), method, reason: failure.to_string() });
         }
         Ok(Outcome::Done)
     }
@@ -146,4 +163,21 @@ fn without_a_model(failures: Vec<(Method, Failure)>) -> anyhow::Result<Outcome> 
         Some(error) => Err(error),
         None => Ok(Outcome::NoAcceptableResult(all)),
     }
+}
+
+remarks! {
+    /// Remarks of the stage itself.
+    REMARKS;
+
+    /// The damping that an exponential window added is taken off every pole.
+    CR427 ExponentialWindow { time_constant_s: f64, rate_per_s: f64 }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "--window-time-constant states the window exp(-t/T) that an analyser multiplied the record with."
+    means "Frequencies, damping ratios and their intervals are those without the window. Models and fits are those of \
+           the record as it is."
+    remedy "nothing; leave --window-time-constant out where the record has no such window"
+    says format!(
+        "the exponential window of {time_constant_s} s on the record is taken off every pole: {rate_per_s:.4}/s of its \
+         decay"
+    );
 }

@@ -1,6 +1,6 @@
 //! The waveforms of a run: which ones, which window of them, how they are scaled.
 
-use crumple_signal::{About, Note, QuantityKind, Sampled, TestDescription, Weight};
+use crumple_signal::{About, Note, QuantityKind, Sampled, TestDescription, Weight, remarks};
 use crumple_stage::records::{ChannelFilterV1, EventsV1};
 use crumple_stage::{Inputs, RefuseExt, Refused, Wave, option, program};
 use crumple_sysid::{EraError, FilterEdge, IoData, MarkovParameters, Realization, end_of_contact, straight_line};
@@ -104,25 +104,23 @@ impl WindowedWave {
         Ok(())
     }
 
-    /// What was subtracted, in words.
-    pub fn removed_in_words(&self) -> Option<String> {
+    /// What was subtracted.
+    pub fn removed(&self) -> Option<Note> {
         let (level, slope) = self.removed;
-        let (unit, id) = (self.unit(), &self.id);
+        let (waveform, unit) = (self.id.clone(), self.unit().to_owned());
         match (level, slope) {
             (0.0, 0.0) => None,
-            (mean, 0.0) => {
-                Some(format!("the mean of the samples identified from, {mean:.6}{unit}, was removed from {id}"))
+            (mean, 0.0) => Some(Removed { waveform, mean: Some(mean), slope_per_s: None, unit }.into()),
+            _ => {
+                let slope_per_s = Some(slope / self.sampled.dt_s());
+                Some(Removed { waveform, mean: None, slope_per_s, unit }.into())
             }
-            _ => Some(format!(
-                "the straight line through the samples identified from, slope {:.6}{unit}/s, was removed from {id}",
-                slope / self.sampled.dt_s(),
-            )),
         }
     }
 
-    /// The unit behind a blank; nothing where it is 1.
-    pub fn unit(&self) -> String {
-        Some(self.quantity.si_unit()).filter(|unit| *unit != "1").map_or_else(String::new, |unit| format!(" {unit}"))
+    /// The unit; nothing where it is 1.
+    pub fn unit(&self) -> &'static str {
+        Some(self.quantity.si_unit()).filter(|unit| *unit != "1").unwrap_or_default()
     }
 
     /// Errors unless the other has the same times; `hint` says what to do.
@@ -146,6 +144,11 @@ impl WindowedWave {
         }
         Ok(())
     }
+}
+
+/// A unit behind a blank; nothing where there is none.
+pub fn behind_blank(unit: &str) -> String {
+    if unit.is_empty() { String::new() } else { format!(" {unit}") }
 }
 
 /// Edges of the filter that the first waveform with a filter went through.
@@ -178,7 +181,7 @@ pub struct Record {
     /// Time by which the inputs act late, s, if they do.
     pub delay_s: Option<f64>,
     /// What was done to the samples, for the notes of every model.
-    pub remarks: Vec<String>,
+    pub remarks: Vec<Note>,
     /// Frequencies of machines that run, rad/s.
     pub harmonics_rad_per_s: Vec<f64>,
 }
@@ -284,7 +287,7 @@ pub fn record(source: Source<'_>, input_output: &InputOutputSettings) -> anyhow:
     if input_output.remove_mean_unless_crash && !is_asked && !source.is_of_a_crash() {
         outputs.iter_mut().chain(&mut inputs).try_for_each(WindowedWave::remove_mean)?;
     }
-    let remarks = outputs.iter().chain(&inputs).filter_map(WindowedWave::removed_in_words).collect();
+    let remarks = outputs.iter().chain(&inputs).filter_map(WindowedWave::removed).collect();
     let first = &outputs[0];
     for other in inputs.iter().chain(&outputs[1..]) {
         let (inputs, outputs) = (flag("inputs"), flag("outputs"));
@@ -317,11 +320,7 @@ pub fn level_note(source: Source<'_>) -> anyhow::Result<Option<Note>> {
     // Where the waveforms are refused, the methods have said so.
     let Ok(record) = record(source, input_output) else { return Ok(None) };
     let levels: Vec<String> = record.waves().into_iter().filter_map(level_in_words).collect();
-    let text = format!(
-        "the mean of {}: a linear model has no constant; if the level is no part of the motion, add --remove-mean",
-        levels.join(", of ")
-    );
-    Ok((!levels.is_empty()).then(|| Note::warning(text).bears_on(About::IdentifiedModels, Weight::Marked)))
+    Ok((!levels.is_empty()).then(|| FarFromZero { levels }.into()))
 }
 
 /// `y is 5.1 V, 12 times its standard deviation`, where that is much.
@@ -332,7 +331,7 @@ fn level_in_words(wave: &WindowedWave) -> Option<String> {
     let deviation = mean_of(&mut samples.iter().map(|x| (x - mean).powi(2))).sqrt();
     (deviation > 0.0 && mean.abs() > NAMED_LEVEL * deviation).then(|| {
         let (id, times) = (&wave.id, mean.abs() / deviation);
-        format!("{id} is {mean:.4}{}, {times:.1} times its standard deviation", wave.unit())
+        format!("{id} is {mean:.4}{}, {times:.1} times its standard deviation", behind_blank(wave.unit()))
     })
 }
 
@@ -418,8 +417,8 @@ impl Source<'_> {
 
 // The window of a run: its channel, where it starts, and the samples in it.
 
-/// Start of the window, s after time zero, and in words how it was found where that is not simply `--from`.
-pub fn window_start(source: Source<'_>) -> anyhow::Result<(f64, Option<String>)> {
+/// Start of the window, s after time zero, and how it was found where that is not simply `--from`.
+pub fn window_start(source: Source<'_>) -> anyhow::Result<(f64, Option<FreeDecayStart>)> {
     let Source { settings, test, inputs } = source;
     let Some(share) = settings.hankel.as_ref().and_then(|hankel| hankel.free_decay_share) else {
         return Ok((settings.from_s, None));
@@ -444,9 +443,8 @@ pub fn window_start(source: Source<'_>) -> anyhow::Result<(f64, Option<String>)>
                 ))
                 .into());
         };
-        let start = time_s.max(settings.from_s);
-        let rule = "the time of the rebound velocity, when the vehicle parts from the barrier";
-        return Ok((start, Some(format!("free decay from {start:.5} s on, {rule}"))));
+        let start_s = time_s.max(settings.from_s);
+        return Ok((start_s, Some(FreeDecayStart { start_s, channel: None, peak_percent: None })));
     }
     // The crash pulse is the channel that the events were read from.
     let pulse = match &events {
@@ -465,9 +463,9 @@ pub fn window_start(source: Source<'_>) -> anyhow::Result<(f64, Option<String>)>
         .hint(format!("give a larger share, a later {}, or the start as a time with {}", flag("to"), flag("from")))
         .into());
     };
-    let start = force.t0_s() + after as f64 * force.dt_s();
-    let rule = format!("after the last sample of channel {pulse} with {} % of its peak", 100.0 * share);
-    Ok((start, Some(format!("free decay from {start:.5} s on, {rule}"))))
+    let start_s = force.t0_s() + after as f64 * force.dt_s();
+    let (channel, peak_percent) = (Some(pulse.clone()), Some(100.0 * share));
+    Ok((start_s, Some(FreeDecayStart { start_s, channel, peak_percent })))
 }
 
 /// The channel asked for, else the crash pulse; `hint` tells what to name where there is none.
@@ -520,4 +518,58 @@ pub fn window(record: &Sampled, source: Source<'_>) -> anyhow::Result<Window> {
     }
     let kept = if keeps_some { kept } else { Vec::new() };
     Ok(Window { used: window, kept })
+}
+
+remarks! {
+    /// Remarks of waveforms and of their window.
+    pub REMARKS;
+
+    /// The mean, or a straight line, was removed from a waveform before the models were fitted.
+    CR424 Removed { waveform: String, mean: Option<f64>, slope_per_s: Option<f64>, unit: String }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "--remove-mean or --remove-trend asks for it, or --methods auto does on a record of inputs and outputs. \
+             The samples that are identified from give the level."
+    means "The models are those of the motion about this level. Simulated outputs have the level added again."
+    remedy "nothing; --remove-mean=false keeps the level"
+    says {
+        let unit = behind_blank(unit);
+        match (mean, slope_per_s) {
+            (Some(mean), _) => {
+                format!("the mean of the samples identified from, {mean:.6}{unit}, was removed from {waveform}")
+            }
+            (None, slope_per_s) => format!(
+                "the straight line through the samples identified from, slope {:.6}{unit}/s, was removed from \
+                 {waveform}",
+                slope_per_s.unwrap_or_default()
+            ),
+        }
+    };
+
+    /// Waveforms lie far from zero, and a linear model has no constant.
+    CR425 FarFromZero { levels: Vec<String> }
+    bears on (About::IdentifiedModels, Weight::Marked)
+    decided "The mean is larger than the standard deviation about it, and neither --remove-mean nor --remove-trend is \
+             given."
+    means "The models spend poles on the level. Frequencies, damping ratios and fits are off."
+    remedy "add --remove-mean, unless the level is part of the motion"
+    says format!(
+        "the mean of {}: a linear model has no constant; if the level is no part of the motion, add --remove-mean",
+        levels.join(", of ")
+    );
+
+    /// The window starts where the contact force has ended.
+    CR426 FreeDecayStart { start_s: f64, channel: Option<String>, peak_percent: Option<f64> }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "--free-decay asks for it: at the rebound of /events, or where the pulse stays under the share of its peak."
+    means "The models are those of the free motion behind the contact. The contact is not in them."
+    remedy "nothing; --from states another start, leave --free-decay out for the whole record"
+    says match (channel, peak_percent) {
+        (Some(channel), Some(percent)) => format!(
+            "free decay from {start_s:.5} s on, after the last sample of channel {channel} with {percent} % of its peak"
+        ),
+        _ => format!(
+            "free decay from {start_s:.5} s on, the time of the rebound velocity, when the vehicle parts from the \
+             barrier"
+        ),
+    };
 }

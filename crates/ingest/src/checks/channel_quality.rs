@@ -23,8 +23,7 @@ use std::collections::BTreeMap;
 
 use crumple_signal::iso13499::IsoCode;
 use crumple_signal::{
-    About, Channel, Moving, MovingStart, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G, Sampled, Weight,
-    is_gravity,
+    Channel, Moving, MovingStart, Note, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G, Sampled, is_gravity,
 };
 
 use crumple_metrics::{SMOOTHING_S, held_crossing, moving_mean};
@@ -32,6 +31,15 @@ use crumple_metrics::{SMOOTHING_S, held_crossing, moving_mean};
 use crate::pulse;
 use crate::pulse::Polarity;
 use crate::recording::content::{Wave, list};
+
+mod remarks;
+
+pub use remarks::REMARKS;
+use remarks::{
+    CoarseTimes, Drifted, FallOrOffset, ImplausibleLevel, LevelOff, MovesBefore, OtherRate, OthersFaulty, OthersMuted,
+    OthersSlow, PairDiffers, PairDisagrees, PairNotCompared, PairsLeft, PulseClipped, PulseLost, PulseMuted,
+    PulseNoisy, PulseSlow, ZeroLevelUnknown,
+};
 
 /// Noise before the event that is too much, m/s^2.
 const NOISE_M_PER_S2: f64 = G;
@@ -44,8 +52,8 @@ const CFC60_RATE_HZ: f64 = 600.0;
 /// Distance of a stamp from the grid worth a note, intervals.
 const JITTER: f64 = 0.01;
 
-/// What is noted of channels in words, and of which.
-type Check = (&'static str, fn(&Wave) -> bool);
+/// The remark on channels, and on which.
+type Check = (fn(String) -> Note, fn(&Wave) -> bool);
 
 /// Notes on all accelerations, the pulse first.
 pub fn check(
@@ -61,22 +69,23 @@ pub fn check(
     }
     let others = || waves.iter().filter(|w| Some(w.id.as_str()) != pulse_id);
     let checks: [Check; 6] = [
-        ("a muted start (exact zeros), not counted in the zero level,", |w| muted_samples(w).is_some()),
-        ("equal samples in a row at an extreme (clipped?)", is_clipped),
-        ("less than 600 samples a second, too few for CFC 60,", is_too_slow),
-        ("noise before the event above 1 g", |w| excess_noise(w).is_some()),
-        ("equal samples in a row inside the pulse (dropout?)", |w| dropout(w).is_some()),
-        ("mean over the last 20 ms above 0.5 g (drift, or a force still acts)", |w| drift(w).is_some()),
+        (|channels| OthersMuted { channels }.into(), |w| muted_samples(w).is_some()),
+        (|channels| faulty("equal samples in a row at an extreme (clipped?)", channels), is_clipped),
+        (|channels| OthersSlow { channels }.into(), is_too_slow),
+        (|channels| faulty("noise before the event above 1 g", channels), |w| excess_noise(w).is_some()),
+        (|channels| faulty("equal samples in a row inside the pulse (dropout?)", channels), |w| dropout(w).is_some()),
+        (
+            |channels| faulty("mean over the last 20 ms above 0.5 g (drift, or a force still acts)", channels),
+            |w| drift(w).is_some(),
+        ),
     ];
-    for (k, (what, is_noted)) in checks.into_iter().enumerate() {
+    for (k, (remark, is_noted)) in checks.into_iter().enumerate() {
         // Any channel may be clipped.
         let of_kind = others().filter(|w| k == 1 || w.quantity == QuantityKind::Acceleration);
-        note_channels(of_kind.filter(|w| is_noted(w)), what, notes);
+        if let Some(channels) = names(of_kind.filter(|w| is_noted(w))) {
+            notes.push(remark(channels));
+        }
     }
-}
-
-fn concern(weight: Weight, text: impl Into<String>, notes: &mut Notes) {
-    notes.concern(About::Pulse, weight, text);
 }
 
 fn check_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, notes: &mut Notes) {
@@ -85,48 +94,31 @@ fn check_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, not
     if let Some(level) = before_contact {
         note_fall(pulse, level, notes);
     } else {
-        let why = "it has less than 10 ms of data between -50 ms and -10 ms";
-        concern(Weight::Marked, format!("zero level and noise of the pulse are unknown: {why}"), notes);
+        notes.push(ZeroLevelUnknown {});
     }
     if let Some(muted) = muted_samples(pulse) {
-        notes.info(format!(
-            "the first {muted} samples of the pulse are exactly 0: the recorder was muted, and the zero level is \
-             that of the other samples"
-        ));
+        notes.push(PulseMuted { samples: muted });
     }
     pulse::check(&pulse.samples, quality.zero_level(), speed_m_per_s, polarity, notes);
     note_level(&pulse.samples, before_contact, notes);
     if is_too_slow(pulse) {
-        let needed = format!("CFC 60 needs at least {CFC60_RATE_HZ}. A crash pulse is not resolved");
-        let text = format!("the pulse has {:.1} samples a second; {needed}", record.sample_rate_hz);
-        concern(Weight::Decisive, text, notes);
+        notes.push(PulseSlow { rate_hz: record.sample_rate_hz, needed_hz: CFC60_RATE_HZ });
     }
     if is_clipped(pulse) {
         let (low, high, unit) = (record.minimum, record.maximum, pulse.quantity.si_unit());
-        let run = format!("{} equal samples in a row at an extreme", record.clipped_run);
-        let text = format!("the pulse may be clipped: {run} ({low:.3} to {high:.3} {unit})");
-        concern(Weight::Marked, text, notes);
+        notes.push(PulseClipped { samples: record.clipped_run, low, high, unit });
     }
     if let Some(noise) = excess_noise(pulse) {
-        let usual = "at most 1 g is usual: the sensor may have failed";
-        let text = format!("the pulse is noisy before the event: standard deviation {:.2} g, {usual}", noise / G);
-        concern(Weight::Marked, text, notes);
+        notes.push(PulseNoisy { deviation_g: noise / G });
     }
-    if let Some((run, from_s)) = dropout(pulse) {
-        let run = format!("{run} equal samples in a row from {:.2} ms on", from_s * 1e3);
-        let text = format!("the pulse may have dropouts: {run}, while the signal is active");
-        concern(Weight::Marked, text, notes);
+    if let Some((samples, from_s)) = dropout(pulse) {
+        notes.push(PulseLost { samples, from_s });
     }
     if let Some(level) = drift(pulse) {
-        let why = "the sensor drifted, or a force still acts on the vehicle";
-        let text = format!("the mean of the pulse over its last 20 ms is {:.2} g: {why}", level / G);
-        concern(Weight::Slight, text, notes);
+        notes.push(Drifted { level_g: level / G });
     }
     if record.time_jitter > JITTER {
-        notes.info(format!(
-            "time stamps of the pulse lie up to {:.3} sampling intervals off the uniform grid",
-            record.time_jitter
-        ));
+        notes.push(CoarseTimes { off_intervals: record.time_jitter });
     }
 }
 
@@ -134,41 +126,32 @@ fn check_pulse(pulse: &Wave, speed_m_per_s: Option<f64>, polarity: Polarity, not
 /// sensor at rest at another level.
 fn note_fall(pulse: &Wave, level: f64, notes: &mut Notes) {
     if let Some(MovingStart { by, rest_level, level }) = pulse.quality.moving {
-        let off = (level - rest_level) / G;
-        let text = match by {
-            Moving::Falls => format!("free fall before contact: its level is {off:+.2} g off the level at rest"),
-            Moving::Brakes => format!(
-                "it brakes before contact: the level there is {off:+.2} g off the level at the start of the record. \
-                 The impact speed is that at contact"
-            ),
+        let by = match by {
+            Moving::Falls => "falls",
+            Moving::Brakes => "brakes",
         };
-        concern(Weight::Slight, text, notes);
+        notes.push(MovesBefore { by, off_g: (level - rest_level) / G });
     } else if pulse.quality.feels_gravity && is_gravity(level) {
-        let text = format!(
-            "the level before contact is {:+.2} g: an offset, or a free fall. A fall is no offset to remove: if it is \
-             one, add --set filter.zero-level=none",
-            level / G
-        );
-        concern(Weight::Marked, text, notes);
+        notes.push(FallOrOffset { level_g: level / G });
     } else if level.abs() > 0.5 * G {
-        notes.info(format!("the level before contact is {:+.2} g: an offset that the filter removes", level / G));
+        notes.push(LevelOff { level_g: level / G });
     }
 }
 
 /// Channels that must be resampled before they can be compared with the pulse sample by sample, or drive one model with
 /// it.
 fn note_other_rates(waves: &[Wave], pulse: &Wave, notes: &mut Notes) {
-    let rate = |w: &Wave| format!("{} Hz", (w.quality.record.sample_rate_hz * 1e3).round() / 1e3);
+    let rate_hz = |w: &Wave| (w.quality.record.sample_rate_hz * 1e3).round() / 1e3;
+    // In the order of their texts.
     let mut others: BTreeMap<String, Vec<&Wave>> = BTreeMap::new();
     for wave in waves.iter().filter(|w| (w.samples.dt_s() / pulse.samples.dt_s() - 1.0).abs() > 1e-9) {
-        others.entry(rate(wave)).or_default().push(wave);
+        others.entry(format!("{} Hz", rate_hz(wave))).or_default().push(wave);
     }
-    for (other, waves) in others {
-        let what = format!(
-            "another sampling rate than the pulse ({other} against {}; resample of the filter brings them together)",
-            rate(pulse)
-        );
-        note_channels(waves.into_iter(), &what, notes);
+    for waves in others.into_values() {
+        let Some((rate, channels)) = waves.first().map(|w| rate_hz(w)).zip(names(waves.iter().copied())) else {
+            continue;
+        };
+        notes.push(OtherRate { rate_hz: rate, pulse_hz: rate_hz(pulse), channels });
     }
 }
 
@@ -199,12 +182,14 @@ fn drift(wave: &Wave) -> Option<f64> {
     wave.quality.record.end_level.filter(|level| over && level.abs() > DRIFT_M_PER_S2)
 }
 
-fn note_channels<'a>(waves: impl Iterator<Item = &'a Wave>, what: &str, notes: &mut Notes) {
+/// The ids of channels; `None` where there are none.
+fn names<'a>(waves: impl Iterator<Item = &'a Wave>) -> Option<String> {
     let ids: Vec<&str> = waves.map(|w| w.id.as_str()).collect();
-    if ids.is_empty() {
-        return;
-    }
-    notes.info(format!("{what} in {}", list(&ids)));
+    (!ids.is_empty()).then(|| list(&ids))
+}
+
+fn faulty(what: &'static str, channels: String) -> Note {
+    OthersFaulty { what, channels }.into()
 }
 
 /// Velocities and displacements are compared up to this time, s.
@@ -296,7 +281,7 @@ pub fn check_redundant_sensors(
         }
     }
     if pairs > PAIR_LIMIT {
-        notes.info(format!("{} further pairs of sensors at one place are not compared", pairs - PAIR_LIMIT));
+        notes.push(PairsLeft { pairs: pairs - PAIR_LIMIT });
     }
 }
 
@@ -313,29 +298,23 @@ fn place_key(code: &IsoCode, as_pulse: bool) -> String {
 
 fn note_pair(channels: [&Channel; 2], waves: [&Wave; 2], speed: Option<f64>, notes: &mut Notes) {
     let zeros = waves.map(|w| w.quality.pre_event.map_or(0.0, |p| p.zero_level));
-    let names = format!("channels {} and {}", channels[0].id, channels[1].id);
+    let [one, other] = channels.map(|channel| channel.id.clone());
     let what = if channels[0].redundant == channels[1].redundant { "left and right" } else { "redundant" };
     let Some(difference) = compare(&waves[0].samples, &waves[1].samples, zeros, speed) else {
-        notes.info(format!(
-            "{names} ({what}) are not compared: their time grids differ, or there is nothing after contact"
-        ));
+        notes.push(PairNotCompared { one, other, what });
         return;
     };
-    let mut text = format!(
-        "{names} ({what}) differ by at most {:.2} g (4.4 ms mean) and {:.2} m/s up to 150 ms",
-        difference.acceleration_m_per_s2 / G,
-        difference.velocity_m_per_s
-    );
-    let mut warn = false;
-    if let Some([a, b]) = difference.crush_m {
-        let part = (a - b).abs() / a.abs().max(b.abs()).max(f64::MIN_POSITIVE);
-        text.push_str(&format!(", by {:.1} % of dynamic crush ({:.0} and {:.0} mm)", 100.0 * part, 1e3 * a, 1e3 * b));
-        warn = part > TOO_MUCH;
-    }
-    if warn {
-        concern(Weight::Marked, format!("{text}: one of them may be wrong"), notes);
-    } else {
-        notes.info(text);
+    let (by_g, by_m_per_s) = (difference.acceleration_m_per_s2 / G, difference.velocity_m_per_s);
+    let share = |[a, b]: [f64; 2]| (a - b).abs() / a.abs().max(b.abs()).max(f64::MIN_POSITIVE);
+    match difference.crush_m.map(|crush| (crush, share(crush))) {
+        Some(([crush_m, other_crush_m], by_share)) if by_share > TOO_MUCH => {
+            notes.push(PairDisagrees { one, other, what, by_g, by_m_per_s, by_share, crush_m, other_crush_m });
+        }
+        found => {
+            let (crush, by_share) = found.unzip();
+            let [crush_m, other_crush_m] = crush.map_or([None; 2], |crush| crush.map(Some));
+            notes.push(PairDiffers { one, other, what, by_g, by_m_per_s, by_share, crush_m, other_crush_m });
+        }
     }
 }
 
@@ -350,19 +329,10 @@ fn note_level(pulse: &Sampled, zero_level: Option<f64>, notes: &mut Notes) {
     let crossing = |m_per_s2: f64| held_crossing(pulse, zero_level, m_per_s2);
     let largest = pulse.samples().iter().fold(0.0_f64, |largest, a| largest.max((a - zero_level).abs()));
     if largest >= IMPLAUSIBLE_M_PER_S2 && crossing(IMPLAUSIBLE_M_PER_S2).is_some() {
-        let largest_g = largest / G;
-        let text = format!(
-            "the pulse stays above 1000 g for 3 ms (largest {largest_g:.0} g), no vehicle does: check its channel and \
-             unit"
-        );
-        notes.concern(About::Pulse, Weight::Decisive, text);
+        notes.push(ImplausibleLevel { largest_g: Some(largest / G) });
     }
     if crossing(THRESHOLD_M_PER_S2).is_none() {
-        notes.concern(
-            About::Pulse,
-            Weight::Decisive,
-            "the pulse never exceeds 0.5 g for 3 ms: check its channel and unit",
-        );
+        notes.push(ImplausibleLevel { largest_g: None });
     }
 }
 

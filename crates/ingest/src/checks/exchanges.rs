@@ -5,9 +5,9 @@
 //! `-17.358` without its point is a thousand times as large as the samples beside it. A filter spreads such a sample
 //! over its neighbours, and the integral keeps it for good, so it is found before either.
 
-use crumple_metrics::{Exchange, Impact, Plausibility, number_typed};
+use crumple_metrics::{Exchange, Plausibility, number_typed};
 use crumple_signal::value::Time;
-use crumple_signal::{About, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G, Sampled};
+use crumple_signal::{About, Note, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2 as G, Sampled, Weight, remarks};
 
 use crate::recording::content::ReadChannel;
 use crate::{IngestSettings, Place, Result, Sign, refuse};
@@ -71,56 +71,44 @@ fn meant_speed(exchange: Exchange, speed_m_per_s: f64) -> Option<(f64, &'static 
     Some((number, unit))
 }
 
+/// Factor of a unit of speed to m/s.
+fn to_m_per_s(unit: &str) -> f64 {
+    match unit {
+        "mph" => 0.447_04,
+        "km/h" => 1.0 / 3.6,
+        _ => 1.0,
+    }
+}
+
 /// At most three decimals.
 fn short(number: f64) -> f64 {
     (number * 1e3).round() / 1e3
 }
 
-/// What is asked, and what it concerns. `flag`: the answer that mends it; `None` where no flag does.
-pub fn question(plausibility: &Plausibility, flag: Option<&str>, speed_m_per_s: f64) -> Option<(About, String)> {
+/// What is asked. `flag`: the answer that mends it; `None` where no flag does.
+pub fn question(plausibility: &Plausibility, flag: Option<&str>, speed_m_per_s: f64) -> Option<Note> {
     let (exchange, impact) = match plausibility {
         Plausibility::After(exchange, impact) => (*exchange, impact),
         Plausibility::AfterAnyOf(exchanges) => {
-            let names: Vec<&str> = exchanges.iter().map(|exchange| name(*exchange)).collect();
-            let text = format!(
-                "impact speed and pulse do not fit together: check {}; each of these changes would fit a car",
-                names.join(", ")
-            );
-            return Some((About::Pulse, text));
+            let changes = exchanges.iter().map(|exchange| name(*exchange).to_owned()).collect();
+            return Some(SeveralExchanges { changes }.into());
         }
         Plausibility::Consistent | Plausibility::Inconsistent => return None,
     };
-    let from = format!("{:.1} km/h", 3.6 * impact.impact_speed_m_per_s);
-    let speed =
-        meant_speed(exchange, speed_m_per_s).map(|(number, unit)| format!("{number} {unit}")).unwrap_or_default();
-    let (about, if_so, ask) = match exchange {
-        Exchange::Unit(factor) if factor > 1.0 => {
-            (About::Pulse, format!("in g this pulse stops the car from {from}"), "is the unit g?".to_owned())
-        }
-        Exchange::Unit(_) => {
-            (About::Pulse, format!("in m/s^2 this pulse stops the car from {from}"), "is the unit m/s^2?".to_owned())
-        }
-        Exchange::Speed(_) => (
-            About::ImpactSpeed,
-            format!("from {speed} this pulse stops the car"),
-            format!("is the impact speed {speed}, not {:.1} km/h?", 3.6 * speed_m_per_s),
-        ),
-        Exchange::Time(factor) => (
-            About::Pulse,
-            format!(
-                "with times 1000 times {} this pulse stops the car from {from}",
-                if factor < 1.0 { "shorter" } else { "longer" }
-            ),
-            "is the unit of time another one?".to_owned(),
-        ),
-        Exchange::Polarity => (
-            About::Pulse,
-            format!("with the other sign this pulse stops the car from {from}"),
-            "is deceleration positive in this file?".to_owned(),
-        ),
+    let flag = flag.map(str::to_owned);
+    let (crush_m, restitution) = (impact.crush_m, (impact.change - 1.0).max(0.0));
+    let peak_g = impact.peak_m_per_s2 / G;
+    if let Some((number, unit)) = meant_speed(exchange, speed_m_per_s) {
+        let meant_m_per_s = number * to_m_per_s(unit);
+        return Some(OtherSpeed { meant_m_per_s, unit, speed_m_per_s, crush_m, restitution, peak_g, flag }.into());
+    }
+    let (unit, time_factor) = match exchange {
+        Exchange::Unit(factor) => (Some(if factor > 1.0 { "g" } else { "m/s^2" }), None),
+        Exchange::Time(factor) => (None, Some(factor)),
+        Exchange::Speed(_) | Exchange::Polarity => (None, None),
     };
-    let answer = flag.map_or_else(|| format!("correct {} in the file", name(exchange)), |flag| format!("add {flag}"));
-    Some((about, format!("{if_so} ({}): {ask} If so, {answer}", figures(impact))))
+    let (what, impact_speed_m_per_s) = (name(exchange), impact.impact_speed_m_per_s);
+    Some(Exchanged { what, unit, time_factor, impact_speed_m_per_s, crush_m, restitution, peak_g, flag }.into())
 }
 
 fn name(exchange: Exchange) -> &'static str {
@@ -132,14 +120,12 @@ fn name(exchange: Exchange) -> &'static str {
     }
 }
 
-/// Crush, rebound and peak of an impact.
-fn figures(impact: &Impact) -> String {
-    format!(
-        "crush {:.0} mm, restitution {:.2}, peak {:.0} g",
-        1e3 * impact.crush_m,
-        (impact.change - 1.0).max(0.0),
-        impact.peak_m_per_s2 / G
-    )
+/// The question whether something else is meant: what the pulse does then, with crush, restitution and peak, and what
+/// to do if so.
+fn asked(if_so: &str, [crush_m, restitution, peak_g]: [f64; 3], ask: &str, what: &str, flag: Option<&str>) -> String {
+    let figures = format!("crush {:.0} mm, restitution {restitution:.2}, peak {peak_g:.0} g", 1e3 * crush_m);
+    let answer = flag.map_or_else(|| format!("correct {what} in the file"), |flag| format!("add {flag}"));
+    format!("{if_so} ({figures}): {ask} If so, {answer}")
 }
 
 /// Samples on either side that a sample is compared with.
@@ -163,6 +149,13 @@ struct Lone {
     beside: f64,
     /// Power of ten that brings the sample among its neighbours.
     power: Option<i32>,
+}
+
+impl Lone {
+    /// The value that fits those beside it, in a unit of this factor to SI.
+    fn meant(&self, factor: f64) -> Option<f64> {
+        self.power.map(|power| self.value / factor / 10_f64.powi(power))
+    }
 }
 
 /// Refuses a pulse with a sample that cannot be one, and notes those that hardly can.
@@ -191,13 +184,7 @@ pub fn check(file: &str, pulse: &ReadChannel, notes: &mut Notes) -> Result<()> {
     }
     if !lone.is_empty() {
         let few: Vec<String> = lone.iter().take(NAMED).map(|lone| words(lone, wave, unit)).collect();
-        notes.warning(format!(
-            "the pulse, channel {id}, has {} stand-alone sample{} (a lost decimal point, a spike?), which peak and \
-             velocity keep: {}",
-            lone.len(),
-            if lone.len() == 1 { "" } else { "s" },
-            few.join("; ")
-        ));
+        notes.push(StrayOfPulse { id: id.clone(), count: lone.len(), samples: few.join("; ") });
     }
     Ok(())
 }
@@ -210,13 +197,17 @@ pub fn check_others<'a>(others: impl Iterator<Item = &'a ReadChannel>, notes: &m
         else {
             continue;
         };
-        notes.warning(format!(
-            "channel {} has {} stand-alone sample{} (a lost decimal point, a spike?): {}",
-            other.channel.id,
-            lone.len(),
-            if lone.len() == 1 { "" } else { "s" },
-            words(first, wave, unit)
-        ));
+        let (factor, unit) = unit;
+        notes.push(Stray {
+            id: other.channel.id.clone(),
+            count: lone.len(),
+            sample: first.index + 1,
+            time_s: wave.time_s(first.index),
+            value: first.value / factor,
+            beside: first.beside / factor,
+            meant: first.meant(factor),
+            unit,
+        });
     }
 }
 
@@ -238,17 +229,19 @@ fn lone_samples(read: &ReadChannel) -> Option<(&Sampled, Vec<Lone>, (f64, &'stat
 }
 
 fn words(lone: &Lone, wave: &Sampled, (factor, unit): (f64, &str)) -> String {
+    let [value, beside] = [lone.value, lone.beside].map(|x| x / factor);
+    reading(lone.index + 1, wave.time_s(lone.index), [value, beside], lone.meant(factor), unit)
+}
+
+/// A sample, its time, its value and the largest beside it, and the value that would fit.
+fn reading(sample: usize, time_s: f64, [value, beside]: [f64; 2], meant: Option<f64>, unit: &str) -> String {
     let number = |x: f64| if x.abs() < 1e5 { format!("{x:.3}") } else { format!("{x:e}") };
-    let value = lone.value / factor;
-    let meant = lone
-        .power
-        .map_or_else(String::new, |power| format!(", {} {unit} would fit", number(value / 10_f64.powi(power))));
+    let meant = meant.map_or_else(String::new, |meant| format!(", {} {unit} would fit", number(meant)));
     format!(
-        "sample {} at {:.3} ms is {} {unit}, those beside it are at most {} {unit}{meant}",
-        lone.index + 1,
-        1e3 * wave.time_s(lone.index),
+        "sample {sample} at {:.3} ms is {} {unit}, those beside it are at most {} {unit}{meant}",
+        1e3 * time_s,
         number(value),
-        number(lone.beside / factor)
+        number(beside)
     )
 }
 
@@ -283,6 +276,98 @@ fn find(samples: &[f64], smallest: f64, largest: f64) -> Vec<Lone> {
         lone.push(Lone { index, value, beside, power });
     }
     lone
+}
+
+remarks! {
+    /// Remarks of what may be exchanged, and of samples that stand alone.
+    pub REMARKS;
+
+    /// Impact speed and pulse do not fit together; another unit of the pulse, unit of time or sign would fit.
+    CR165 Exchanged {
+        what: &'static str, unit: Option<&'static str>, time_factor: Option<f64>, impact_speed_m_per_s: f64,
+        crush_m: f64, restitution: f64, peak_g: f64, flag: Option<String>
+    }
+    bears on (About::Pulse, Weight::Decisive)
+    decided "The pulse must change the velocity by 1 to 1.3 times the impact speed (more below 50 km/h). It does not, \
+             and it does after this exchange and no other, with crush, peak and duration of a car."
+    means "If the answer is yes, all results are wrong until it is corrected."
+    remedy "look into the test report; if it is so, type the flag of the sentence or correct the file"
+    says {
+        let from = format!("{:.1} km/h", 3.6 * impact_speed_m_per_s);
+        let (if_so, ask) = match (unit, time_factor) {
+            (Some(unit), _) => {
+                (format!("in {unit} this pulse stops the car from {from}"), format!("is the unit {unit}?"))
+            }
+            (None, Some(factor)) => {
+                let (times, longer) = (factor.max(1.0 / factor), if *factor < 1.0 { "shorter" } else { "longer" });
+                let if_so = format!("with times {times:.0} times {longer} this pulse stops the car from {from}");
+                (if_so, "is the unit of time another one?".to_owned())
+            }
+            (None, None) => (
+                format!("with the other sign this pulse stops the car from {from}"),
+                "is deceleration positive in this file?".to_owned(),
+            ),
+        };
+        asked(&if_so, [*crush_m, *restitution, *peak_g], &ask, what, flag.as_deref())
+    };
+
+    /// Impact speed and pulse do not fit together; the speed in another unit would fit.
+    CR166 OtherSpeed {
+        meant_m_per_s: f64, unit: &'static str, speed_m_per_s: f64, crush_m: f64, restitution: f64, peak_g: f64,
+        flag: Option<String>
+    }
+    bears on (About::ImpactSpeed, Weight::Decisive)
+    decided "The pulse must change the velocity by 1 to 1.3 times the impact speed (more below 50 km/h). It does not, \
+             and it does with the typed number in m/s, km/h or mph, with crush, peak and duration of a car."
+    means "If the answer is yes, crush, energy and models are wrong until it is corrected. Delta-v holds."
+    remedy "look into the test report; if it is so, type the flag of the sentence or correct the file"
+    says {
+        let speed = format!("{} {unit}", short(meant_m_per_s / to_m_per_s(unit)));
+        let if_so = format!("from {speed} this pulse stops the car");
+        let ask = format!("is the impact speed {speed}, not {:.1} km/h?", 3.6 * speed_m_per_s);
+        asked(&if_so, [*crush_m, *restitution, *peak_g], &ask, "the impact speed", flag.as_deref())
+    };
+
+    /// Impact speed and pulse do not fit together; each of several changes would fit.
+    CR167 SeveralExchanges { changes: Vec<String> }
+    bears on (About::Pulse, Weight::Decisive)
+    decided "The pulse must change the velocity by 1 to 1.3 times the impact speed (more below 50 km/h). It does after \
+             any one of these changes, with crush, peak and duration of a car."
+    means "One of them is wrong, and all results with it."
+    remedy "compare unit, impact speed, unit of time and sign with the test report"
+    says format!(
+        "impact speed and pulse do not fit together: check {}; each of these changes would fit a car",
+        changes.join(", ")
+    );
+
+    /// The pulse has single samples that their neighbours do not bear out.
+    CR168 StrayOfPulse { id: String, count: usize, samples: String }
+    bears on (About::Pulse, Weight::Slight)
+    decided "A sample of 5 g (5 m/s) or more is 8 times as large as any of the three on either side. From 99 times on, \
+             or above 200,000 g (1 km/s), the pulse is refused."
+    means "The filter spreads such a sample over its neighbours, and velocity and crush keep it."
+    remedy "correct these samples in the file, or export the record again"
+    says format!(
+        "the pulse, channel {id}, has {count} stand-alone sample{} (a lost decimal point, a spike?), which peak and \
+         velocity keep: {samples}",
+        if *count == 1 { "" } else { "s" }
+    );
+
+    /// A channel beside the pulse has single samples that their neighbours do not bear out.
+    CR169 Stray {
+        id: String, count: usize, sample: usize, time_s: f64, value: f64, beside: f64, meant: Option<f64>,
+        unit: &'static str
+    }
+    bears on (About::Channel(id.clone()), Weight::Slight)
+    decided "A sample of 5 g (5 m/s) or more is 8 times as large as any of the three on either side, or larger than \
+             200,000 g (1 km/s). The sentence has the worst one."
+    means "Peak and integral of this channel keep the sample. The pulse is not touched."
+    remedy "correct the sample in the file before you use this channel"
+    says format!(
+        "channel {id} has {count} stand-alone sample{} (a lost decimal point, a spike?): {}",
+        if *count == 1 { "" } else { "s" },
+        reading(*sample, *time_s, [*value, *beside], *meant, unit)
+    );
 }
 
 #[cfg(test)]

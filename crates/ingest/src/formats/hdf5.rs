@@ -12,6 +12,7 @@ use hdf5_pure::{AttrValue, File, Group};
 
 use crate::formats::mat::columns;
 use crate::formats::reader::{Bundle, Reader, guarded};
+use crate::formats::remarks::PartsNotRead;
 use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::conversion;
 use crate::recording::content::{Recording, list};
@@ -47,7 +48,7 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
     let found = found.map_err(|what| IngestError::content(file, what, "a whole HDF5 file", hint))?;
     let mut notes = Notes::new();
     if !found.unread.is_empty() {
-        notes.info(format!("data sets that are not read: {}", list(&found.unread)));
+        notes.push(PartsNotRead { parts: "data sets", names: list(&found.unread) });
     }
     conversion::recording(file, found.waveforms, Details::default(), settings, notes)
 }

@@ -5,8 +5,9 @@
 //! a table holds something of that table, so that `Acceleration_0` stays a name.
 
 use crumple_signal::iso13499::IsoCode;
-use crumple_signal::{Channel, Notes, QuantityKind};
+use crumple_signal::{About, Channel, Notes, QuantityKind, Weight, remarks};
 
+use crate::formats::remarks::CodeAgainstUnit;
 use crate::recording::content::{PulseRule, ReadChannel};
 use crate::recording::settings;
 use crate::{IngestSettings, pulse};
@@ -69,14 +70,12 @@ pub fn is_acceleration(name: &str) -> bool {
 /// Puts what the code in a channel's name says into the channel; its quantity, told by the unit, stays.
 pub fn describe_by_name(channel: &mut Channel, name: &str, notes: &mut Notes) {
     let Some((code, remarks)) = code_of_name(name) else { return };
-    remarks.into_iter().for_each(|remark| notes.info(remark));
+    remarks.into_iter().for_each(|reason| notes.push(CodeOfName { reason }));
     if let Some(of_code) =
         code.quantity().0.filter(|q| *q != channel.quantity && channel.quantity != QuantityKind::Other)
     {
-        notes.warning(format!(
-            "channel {}: the code says {of_code}, the unit is one of {}: the unit is taken",
-            channel.id, channel.quantity
-        ));
+        let (place, of_unit) = (format!("channel {}", channel.id), channel.quantity.to_string());
+        notes.push(CodeAgainstUnit { place, of_code: of_code.to_string(), of_unit });
     }
     describe_by_code(channel, &code);
 }
@@ -111,6 +110,20 @@ pub fn pulse_rule(channels: &mut [ReadChannel], settings: &IngestSettings, notes
         channels[k].fitness = fitness.flatten();
     }
     PulseRule::Fittest
+}
+
+remarks! {
+    /// Remarks of channel codes as names.
+    pub REMARKS;
+
+    /// The name of a channel is a code of ISO/TS 13499 but for a prefix, a suffix or open places.
+    CR021 CodeOfName { reason: String }
+    bears on (About::Record, Weight::None)
+    decided "A name is a code if every place of it that has a table holds something of that table. Programs put a \
+             prefix in front of a digit, DIAdem a suffix _NoName behind a name that is taken."
+    means "The code says place, axis and filter class of the channel."
+    remedy "nothing"
+    says reason.clone();
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use crumple_signal::Notes;
 use serde_json::Value;
 
 use crate::formats::reader::{Bundle, Reader};
+use crate::formats::remarks::{LateColumns, LinesNotUsed};
 use crate::formats::table::layout::{COLUMN_LIMIT, Cells};
 use crate::formats::table::numbers::Rows;
 use crate::formats::table::{FLAGS_OF_ROWS, channels_of, header, recording};
@@ -126,11 +127,11 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
         rows.lines.push(number);
     }
     if others > 0 {
-        notes.info(format!("{others} lines without the numbers of the first are left out"));
+        notes.push(LinesNotUsed { count: others, file: None, line: None });
     }
     if !late.is_empty() {
         let late: Vec<String> = late.into_iter().collect();
-        notes.warning(format!("numbers that begin behind the first line are left out: {}", list(&late)));
+        notes.push(LateColumns { names: Some(list(&late)) });
     }
     let header = header::of_lines(vec![(1, names.clone())], names.len());
     let channels = channels_of(file, &header, rows, settings, (None, None), &mut notes)?;

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use crumple_signal::Notes;
+use crumple_signal::{About, Notes, Weight, remarks};
 
 use crate::formats::reader::{Bundle, Reader};
+use crate::formats::remarks::{SampleCount, TimesFromFirst};
 use crate::formats::text::lines::{self, Lines, decode, without_mark};
 use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::conversion;
@@ -61,11 +62,7 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
     let details = details(&file_header, &segments[0]);
     let several = segments.len() > 1;
     if several {
-        notes.warning(format!(
-            "{} segments of the file do not continue each other: their channels are kept apart as segment_1, \
-             segment_2, ...",
-            segments.len()
-        ));
+        notes.push(SegmentsApart { segments: segments.len() });
     }
     // A unit that is none is refused with the channels.
     let stated = settings.time_unit.as_deref();
@@ -92,10 +89,8 @@ impl Segment {
             return;
         }
         for ((announced, found), channels) in off.into_iter().take(5) {
-            notes.warning(format!(
-                "segment {number}: {announced} samples are announced, {found} are there, in {channels} channels: those \
-                 are used"
-            ));
+            let (segment, channels, stated) = (Some(number), Some(channels), announced as f64);
+            notes.push(SampleCount { file: None, segment, channels, stated, found, used: found });
         }
     }
 
@@ -171,10 +166,8 @@ fn settle_starts(waveforms: &mut [Waveform], begin: Option<Instant>, time_unit_s
         starts.push((clock, if *x0 == 0.0 { 0.0 } else { x0_s }));
     }
     if since_begin_s > 0.0 {
-        notes.info(format!(
-            "X0 = {since_begin_s} s is the time since the program began, by the clock: the samples start at t = 0, and \
-             --time-zero counts from there"
-        ));
+        let since_start_s = Some(since_begin_s);
+        notes.push(TimesFromFirst { column: None, since_start_s, first_s: None });
     }
     let Some((first, first_x0_s)) = starts.first().copied() else { return };
     if starts.iter().all(|(clock, x0_s)| (x0_s - first_x0_s - clock.since(first)).abs() < CLOCK_SLACK_S) {
@@ -449,4 +442,21 @@ impl Clock {
         let slack = 0.5 * self.dt + rounding;
         ((x - expected).abs() > slack).then_some(expected)
     }
+}
+
+remarks! {
+    /// Remarks of LVM files.
+    pub REMARKS;
+
+    /// The segments of the file are several recordings.
+    CR037 SegmentsApart { segments: usize }
+    bears on (About::Record, Weight::Slight)
+    decided "A segment continues the one before if it has the same channels, units and interval, and begins where that \
+             one ends, within half an interval, by X0 or by its clock."
+    means "Each segment has channels of its own, and only one of them holds the crash."
+    remedy "name the channel of the crash by --channel, such as segment_2.NAME"
+    says format!(
+        "{segments} segments of the file do not continue each other: their channels are kept apart as segment_1, \
+         segment_2, ..."
+    );
 }

@@ -8,6 +8,7 @@ use std::io::Read as _;
 use crumple_signal::Notes;
 
 use crate::formats::reader::{Bundle, Reader};
+use crate::formats::remarks::PartsNotRead;
 use crate::formats::tdms::metadata::{Strided, Type, numbers};
 use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::conversion;
@@ -38,7 +39,7 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
         .map_err(|what| IngestError::content(file, what, "a whole MATLAB file of version 5", hint))?;
     let mut notes = Notes::new();
     if !found.unread.is_empty() {
-        notes.info(format!("variables that are no numbers are not read: {}", found.unread.join(", ")));
+        notes.push(PartsNotRead { parts: "variables", names: found.unread.join(", ") });
     }
     conversion::recording(file, found.waveforms, Details::default(), settings, notes)
 }

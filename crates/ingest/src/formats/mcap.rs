@@ -6,7 +6,7 @@ use std::path::Path;
 use crumple_artifact::records::TestV1;
 use crumple_artifact::{Artifact, add_decompressors};
 use crumple_signal::unit::signal_unit;
-use crumple_signal::{Channel, Notes, QuantityKind, TestDescription};
+use crumple_signal::{About, Channel, Notes, QuantityKind, TestDescription, Weight, remarks};
 use mcap::records::{Channel as McapChannel, Record as McapRecord};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
@@ -16,6 +16,7 @@ use crate::formats::messages::{
 use crate::formats::protobuf;
 use crate::formats::protobuf::Decoder;
 use crate::formats::reader::{Bundle, Reader, check_total};
+use crate::formats::remarks::UnitNotStated;
 use crate::recording::content::{Fitness, PulseRule, ReadChannel, Recording};
 use crate::recording::details::{Details, Stated};
 use crate::recording::settings;
@@ -291,17 +292,13 @@ fn read_messages(
         return Err(no_channel_error(file, topics, &named, &collected));
     }
     for (topic, count) in collected.unread.iter().filter(|(topic, _)| collected.tracks.contains_key(*topic)) {
-        notes.warning(format!("topic {topic}: {count} messages do not hold the fields and are left out"));
+        notes.push(MessagesLeftOut { topic: topic.clone(), count: *count });
     }
     if collected.by_log_time {
-        notes.warning(
-            "messages without a stamp of their own: the time of recording is taken for the time of measurement",
-        );
+        notes.push(NoStamps {});
     }
     if !named.is_empty() && unit.is_none() {
-        notes.warning(
-            "no unit is known for the fields: kept as read, quantity other; --unit m/s^2 or --unit g states it",
-        );
+        notes.push(UnitNotStated { file: None, unit: None, quantity: None });
     }
     messages::recording(file, &mut collected.tracks, settings, notes)
 }
@@ -351,10 +348,7 @@ fn read_artifact(file: &str, bytes: &[u8]) -> Result<Recording> {
         artifact.record("/test").map_err(|error| refuse(&error))?.ok_or_else(|| refuse(&"no record under /test"))?;
     let test = TestDescription::try_from(test).map_err(|error| refuse(&error))?;
     let mut notes = Notes::new();
-    notes.info(format!(
-        "read from an artifact of {}: channels and samples are as that stage left them",
-        artifact.stage().unwrap_or("a stage that does not say its name")
-    ));
+    notes.push(FromArtifact { stage: artifact.stage().map(str::to_owned) });
     let from = || format!("/test of {file}");
     let stated = |value: f64| Stated { value, from: from() };
     let words = |value: &Option<String>| value.clone().map(|value| Stated { value, from: from() });
@@ -389,4 +383,36 @@ fn read_artifact(file: &str, bytes: &[u8]) -> Result<Recording> {
     }
     let pulse_rule = if test.pulse.is_some() { PulseRule::Fittest } else { PulseRule::OnlyOne };
     Ok(Recording { details, channels, pulse_rule, contact_at_zero: test.contact.is_some(), notes })
+}
+
+remarks! {
+    /// Remarks of MCAP files.
+    pub REMARKS;
+
+    /// Messages of a topic do not hold the fields that are read.
+    CR038 MessagesLeftOut { topic: String, count: u64 }
+    bears on (About::Record, Weight::Slight)
+    decided "Every field of --field must be a number in a message, and the message must decode."
+    means "Samples are missing where these messages were. Uneven times that this leaves are refused."
+    remedy "check --field against the messages, or record them whole"
+    says format!("topic {topic}: {count} messages do not hold the fields and are left out");
+
+    /// Messages have no stamp of their own, so that the time of recording is taken.
+    CR039 NoStamps {}
+    bears on (About::Record, Weight::Slight)
+    decided "A message of JSON or protobuf has no field with a time stamp that is known."
+    means "Messages are recorded later than they are measured, and by delays that vary: times are less certain."
+    remedy "write a stamp of the sensor into each message"
+    says "messages without a stamp of their own: the time of recording is taken for the time of measurement";
+
+    /// The input is an artifact of a stage, not a record of a test.
+    CR040 FromArtifact { stage: Option<String> }
+    bears on (About::Record, Weight::None)
+    decided "The file has the topic /test of an artifact (docs/format.md)."
+    means "Nothing of that stage is undone: what it filtered stays filtered."
+    remedy "nothing; give the record itself to begin anew"
+    says {
+        let stage = stage.as_deref().unwrap_or("a stage that does not say its name");
+        format!("read from an artifact of {stage}: channels and samples are as that stage left them")
+    };
 }

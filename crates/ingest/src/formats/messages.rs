@@ -7,8 +7,9 @@
 
 use std::collections::BTreeMap;
 
-use crumple_signal::{About, Axis, Channel, Notes, QuantityKind, Sampled, Weight};
+use crumple_signal::{About, Axis, Channel, Notes, QuantityKind, Sampled, Weight, remarks};
 
+use crate::formats::remarks::{Resampled, TimesFromFirst};
 use crate::recording::content::{Fitness, PulseRule, ReadChannel, Recording, list_of};
 use crate::recording::details::Details;
 use crate::time::OnGrid;
@@ -191,31 +192,26 @@ pub fn recording(
         let repeats = track.samples.windows(2).any(|pair| pair[1].stamp_ns == pair[0].stamp_ns);
         repeats && track.samples.windows(2).all(|pair| pair[1].recorded_ns > pair[0].recorded_ns)
     };
-    let still: Vec<&str> =
-        tracks.iter().filter(|(_, track)| stands_still(track)).map(|(name, _)| name.as_str()).collect();
-    if !still.is_empty() {
-        let text = format!(
-            "stamps of topic {} stand still: the time of recording is taken for the time of measurement",
-            still.join(", ")
-        );
-        notes.concern(About::Time, Weight::Marked, text);
+    let topics: Vec<String> =
+        tracks.iter().filter(|(_, track)| stands_still(track)).map(|(name, _)| name.clone()).collect();
+    if !topics.is_empty() {
+        notes.push(StampsStandStill { topics });
         // All topics by one clock.
         let samples = tracks.values_mut().flat_map(|track| &mut track.samples);
         samples.for_each(|sample| sample.stamp_ns = sample.recorded_ns);
     }
     let tracks = &*tracks;
     let start_ns = tracks.values().filter_map(|t| t.samples.first()).map(|s| s.stamp_ns).min().unwrap_or(0);
-    notes.info(format!(
-        "t = 0 is the first message, at {}.{:09} s of its clock; --time-zero states first contact",
-        start_ns.div_euclid(1_000_000_000),
-        start_ns.rem_euclid(1_000_000_000)
-    ));
+    let (s, ns) = (start_ns.div_euclid(1_000_000_000), start_ns.rem_euclid(1_000_000_000));
+    // More digits than a number holds.
+    let first_s = Some(format!("{s}.{ns:09}"));
+    notes.push(TimesFromFirst { column: None, since_start_s: None, first_s });
     let mut channels = Vec::new();
     for (topic, track) in tracks {
         channels.extend(track_channels(file, topic, track, start_ns, settings, &mut notes)?);
     }
     if channels.iter().any(|f| f.channel.quantity == QuantityKind::Acceleration) {
-        notes.info("accelerations of an IMU hold gravity, and are along the axes of the sensor, not of the vehicle");
+        notes.push(AxesOfSensor {});
     }
     Ok(Recording {
         details: Details::default(),
@@ -258,7 +254,7 @@ fn track_channels(
     let comment =
         lacks_a_rate.then(|| format!("uneven stamps, up to {jitter:.2} steps off a uniform grid: needs --resample"));
     if interpolation.is_some() && !lacks_a_rate {
-        notes.warning(format!("topic {topic}: {} messages are resampled {words}", times.len()));
+        notes.push(Resampled { topic: Some(topic.to_owned()), times: None, count: Some(times.len()), words });
     }
     let stem: String = topic.trim_matches('/').chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect();
     // What one message lacks is no channel.
@@ -336,4 +332,29 @@ pub mod tests {
         assert_eq!((json_number(&message, "imu.none"), json_number(&message, "t")), (None, None));
         assert_eq!(json_stamp_ns(&message), Some(3_000_000_005));
     }
+}
+
+remarks! {
+    /// Remarks of recordings of messages.
+    pub REMARKS;
+
+    /// The stamps of messages stand still, so that the time of recording is taken.
+    CR041 StampsStandStill { topics: Vec<String> }
+    bears on (About::Time, Weight::Marked)
+    decided "A stamp repeats that of the message before, while the times of recording increase throughout."
+    means "Messages are recorded later than they are measured, and by delays that vary: times, and with them velocity \
+           and crush, are less certain. All topics are read by the time of recording."
+    remedy "record with stamps of the sensor"
+    says {
+        let topics = topics.join(", ");
+        format!("stamps of topic {topics} stand still: the time of recording is taken for the time of measurement")
+    };
+
+    /// Accelerations come from an inertial sensor.
+    CR042 AxesOfSensor {}
+    bears on (About::Record, Weight::None)
+    decided "The record holds messages (ROS, MCAP) with accelerations."
+    means "At rest the sensor measures 1 g upwards. Its x is that of the vehicle only if it is mounted so."
+    remedy "choose the channel along the vehicle by --channel, and check its sign"
+    says "accelerations of an IMU hold gravity, and are along the axes of the sensor, not of the vehicle";
 }

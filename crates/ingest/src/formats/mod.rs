@@ -14,6 +14,7 @@ pub mod parquet;
 pub mod protobuf;
 pub mod reader;
 pub mod registry;
+pub mod remarks;
 pub mod ros_bag;
 pub mod table;
 pub mod tdm;

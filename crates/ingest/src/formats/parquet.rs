@@ -14,6 +14,7 @@ use bytes::Bytes;
 use crumple_signal::Notes;
 
 use crate::formats::reader::{Bundle, Reader, guarded};
+use crate::formats::remarks::PartsNotRead;
 use crate::formats::table::layout::{COLUMN_LIMIT, Cells, KEPT};
 use crate::formats::table::numbers::Rows;
 use crate::formats::table::{FLAGS_OF_ROWS, channels_of, header, recording};
@@ -43,7 +44,7 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
     }
     let mut notes = Notes::new();
     if !unread.is_empty() {
-        notes.info(format!("columns that are not read: {}", list(&unread)));
+        notes.push(PartsNotRead { parts: "columns", names: list(&unread) });
     }
     if names.is_empty() || rows.lines.len() < MINIMUM_SAMPLES {
         let found = format!("{} rows of {} columns of numbers", rows.lines.len(), names.len());

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use crumple_signal::Notes;
+use crumple_signal::{About, Notes, Weight, remarks};
 use roxmltree::{Document, Node, ParsingOptions};
 
 use crate::formats::reader::{Bundle, Reader, stem};
@@ -68,10 +68,8 @@ fn binary<'a>(bundle: &'a Bundle, header: &TdmHeader, notes: &mut Notes) -> Resu
         return Ok((name, bytes));
     }
     if let Some((name, bytes)) = bundle.companions.iter().next() {
-        notes.warning(format!(
-            "{} names {wanted} as its file of samples, {name} is taken: renamed, perhaps",
-            bundle.main.name
-        ));
+        let (file, stated) = (bundle.main.name.clone(), wanted.to_owned());
+        notes.push(OtherFileOfSamples { file, stated, taken: name.clone() });
         return Ok((name, bytes));
     }
     refuse(
@@ -423,4 +421,17 @@ pub fn details(properties: &BTreeMap<String, String>) -> Details {
         facts,
         ..Details::default()
     }
+}
+
+remarks! {
+    /// Remarks of TDM files.
+    pub REMARKS;
+
+    /// The header names another file of samples than the one beside it.
+    CR059 OtherFileOfSamples { file: String, stated: String, taken: String }
+    bears on (About::Record, Weight::Slight)
+    decided "The file that the header names is not there; the .tdx file named like the header is taken."
+    means "If both were not written together, the channels are of another test."
+    remedy "check that both files are of one test, or export the data again as TDMS"
+    says format!("{file} names {stated} as its file of samples, {taken} is taken: renamed, perhaps");
 }

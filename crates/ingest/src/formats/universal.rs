@@ -9,6 +9,7 @@ use std::collections::BTreeSet;
 use crumple_signal::Notes;
 
 use crate::formats::reader::{Bundle, Reader};
+use crate::formats::remarks::PartsNotRead;
 use crate::formats::text::lines::{Lines, decode, field, without_mark};
 use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::conversion;
@@ -73,7 +74,7 @@ fn data_sets(file: &str, text: &[u8], notes: &mut Notes) -> Result<Vec<Waveform>
     }
     if !unread.is_empty() {
         let kinds: Vec<String> = unread.into_iter().collect();
-        notes.info(format!("data sets of other kinds than 58 are not read: {}", list(&kinds)));
+        notes.push(PartsNotRead { parts: "universal data sets", names: list(&kinds) });
     }
     Ok(waveforms)
 }

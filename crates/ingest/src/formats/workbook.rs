@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::Cursor;
 
 use calamine::{Data, DataRef, Reader as _, Xlsx, XlsxCellFormulaMetadataRecord, XlsxError};
-use crumple_signal::{Channel, Notes, QuantityKind};
+use crumple_signal::{About, Channel, Notes, QuantityKind, Weight, remarks};
 
 use crate::formats::reader::{Bundle, Reader};
 use crate::formats::table::layout::{COLUMN_LIMIT, Cells};
@@ -230,26 +230,46 @@ fn table(file: &str, whole: &Sheet, first: u32, settings: &IngestSettings) -> Re
         }
         channels => channels?,
     };
-    reasons.iter().for_each(|reason| notes.warning(format!("not read: {reason}. To have it, {SAVE_VALUES}")));
-    for (title, reason) in unread.into_iter().filter(|_| settings.listing) {
-        let channel = Channel::new(clean(&split_unit(&title).0), QuantityKind::Other);
-        channels.push(ReadChannel::without_readable_file(channel, reason));
+    for (column, formulas) in unread {
+        if settings.listing {
+            let channel = Channel::new(clean(&split_unit(&column).0), QuantityKind::Other);
+            channels.push(ReadChannel::without_readable_file(channel, no_values(formulas)));
+        }
+        notes.push(FormulasWithoutValues { column, formulas });
     }
     Ok(recording(channels, Details::default(), settings, notes))
 }
 
-/// Title and reason of the columns of formulas without values.
-fn without_values(sheet: &Sheet) -> Vec<(String, String)> {
+/// Title of the columns of formulas without values, and how many these are.
+fn without_values(sheet: &Sheet) -> Vec<(String, usize)> {
     let of_column = |(column, count): (&u32, &usize)| {
         let words =
             sheet.cells.values().filter_map(|cells| cells.get(column)).filter(|cell| matches!(cell, Data::String(_)));
         let title = words.take(3).map(Data::to_string).collect::<Vec<String>>().join(" ");
         let title = if title.is_empty() { format!("column {}", column + 1) } else { title };
-        (title, format!("its {count} formulas have no stored values, or 0 all over"))
+        (title, *count)
     };
     sheet.formulas.iter().map(of_column).collect()
 }
 
-fn reasons(unread: &[(String, String)]) -> Vec<String> {
-    unread.iter().map(|(title, reason)| format!("column {title:?}: {reason}")).collect()
+fn no_values(formulas: usize) -> String {
+    format!("its {formulas} formulas have no stored values, or 0 all over")
+}
+
+fn reasons(unread: &[(String, usize)]) -> Vec<String> {
+    unread.iter().map(|(title, formulas)| format!("column {title:?}: {}", no_values(*formulas))).collect()
+}
+
+remarks! {
+    /// Remarks of workbooks.
+    pub REMARKS;
+
+    /// A column of formulas has no stored values.
+    CR066 FormulasWithoutValues { column: String, formulas: usize }
+    bears on (About::Record, Weight::Slight)
+    decided "A workbook stores the value of a formula beside it. Programs that write formulas without computing them \
+             leave it out or write 0."
+    means "The column is no channel. Where it is the pulse or the time, the record lacks it."
+    remedy "open the workbook in a spreadsheet program and save it: that stores the values of formulas"
+    says format!("not read: column {column:?}: {}. To have it, {SAVE_VALUES}", no_values(*formulas));
 }

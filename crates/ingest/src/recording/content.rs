@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use crumple_artifact::records::QualityV1;
 use crumple_signal::{
-    About, Channel, ChannelStatus, MovingStart, Notes, PreEvent, QuantityKind, Sampled, Weight, moving_start, pre_event,
+    About, Channel, ChannelStatus, MovingStart, Notes, PreEvent, QuantityKind, Sampled, Weight, moving_start,
+    pre_event, remarks,
 };
 
 use crate::recording::details::Details;
@@ -135,8 +136,8 @@ pub(crate) fn list_of<S: AsRef<str>>(names: &[S], most: usize) -> String {
 pub(crate) fn note_doubts(channel: &Channel, notes: &mut Notes) {
     if matches!(channel.status, ChannelStatus::Questionable | ChannelStatus::Failed) {
         let comment = channel.comment.as_deref().unwrap_or("without a comment");
-        let text = format!("channel {} is {} by its laboratory: {comment}", channel.id, channel.status);
-        notes.concern(About::Channel(channel.id.clone()), Weight::Slight, text);
+        let (id, status) = (channel.id.clone(), channel.status.to_string());
+        notes.push(Doubted { id, status, comment: comment.to_owned() });
     }
 }
 
@@ -328,6 +329,19 @@ impl LineNumbers {
         let run = self.runs.partition_point(|(first, _)| *first <= row);
         self.runs.get(run.wrapping_sub(1)).filter(|_| row < self.rows).map_or(0, |(first, line)| line + (row - first))
     }
+}
+
+remarks! {
+    /// Remarks of single channels.
+    pub REMARKS;
+
+    /// The laboratory that recorded a channel doubts it.
+    CR101 Doubted { id: String, status: String, comment: String }
+    bears on (About::Channel(id.clone()), Weight::Slight)
+    decided "The file states the status of every channel and a comment of the laboratory; both are repeated."
+    means "The pulse is chosen among valid channels. This one is kept as it was recorded: it may be wrong."
+    remedy "do not use this channel before its plot looks right"
+    says format!("channel {id} is {status} by its laboratory: {comment}");
 }
 
 #[cfg(test)]

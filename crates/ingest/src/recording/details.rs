@@ -3,7 +3,9 @@
 use crumple_artifact::records::{DamageV1, VehicleV1};
 use crumple_signal::unit::{Dimension, parse_value};
 use crumple_signal::value::{Mass, Speed, Time};
-use crumple_signal::{ANOTHER_VEHICLE, About, Notes, QuantityKind, TestKind, VEHICLE_KG, Weight, is_mass_of_a_vehicle};
+use crumple_signal::{
+    ANOTHER_VEHICLE, About, Note, Notes, Overlap, QuantityKind, TestKind, VEHICLE_KG, Weight, is_mass_of_a_vehicle, remarks,
+};
 
 use crate::recording::stated_contact::TimeZero;
 use crate::{IngestError, IngestSettings, Place, Result, refuse};
@@ -32,6 +34,8 @@ pub struct Details {
     pub impact_speed_m_per_s: Option<Stated<f64>>,
     /// What was tested.
     pub kind: Option<Stated<TestKind>>,
+    /// How it met what it hit.
+    pub overlap: Option<Stated<Overlap>>,
     /// Time of first contact on the file's axis, s.
     pub time_zero_s: Option<Stated<f64>>,
     /// What was measured on the vehicle afterwards.
@@ -126,7 +130,7 @@ pub fn from_comments<'a>(
                         *slot = Some(stated);
                     }
                 } else {
-                    notes.warning(format!("{from} says {text:?}: not a value with a unit, ignored"));
+                    notes.push(NotAValue { from, text: text.to_owned() });
                 }
             }
             _ => {}
@@ -162,35 +166,60 @@ struct Layer<'a> {
 }
 
 impl Layer<'_> {
-    /// Puts a value over the one below; one that differs is noted. `show` writes a value for people.
+    /// Puts a value over the one below; where they differ, `remark` says so.
     fn put<T: PartialEq>(
         &mut self,
         below: &mut Option<Stated<T>>,
         value: Option<T>,
-        what: &str,
-        show: fn(&T) -> String,
+        remark: impl FnOnce(&Stated<T>, &Stated<T>) -> Note,
     ) {
-        let (Some(value), from) = (value, self.from) else { return };
-        if let Some(old) = below.as_ref().filter(|old| old.value != value) {
-            self.notes.info(format!("{what} is {} by {from}; {} says {}", show(&value), old.from, show(&old.value)));
+        let (Some(value), from) = (value, self.from.to_owned()) else { return };
+        let stated = Stated { value, from };
+        if let Some(old) = below.as_ref().filter(|old| old.value != stated.value) {
+            self.notes.push(remark(&stated, old));
         }
-        *below = Some(Stated { value, from: from.to_owned() });
+        *below = Some(stated);
     }
 }
 
 /// Puts the statements of a sidecar or of flags over those of the record.
 pub fn apply(details: &mut Details, settings: &IngestSettings, from: &str, notes: &mut Notes) {
-    let (mut layer, text): (_, fn(&String) -> String) = (Layer { from, notes }, |text| format!("{text:?}"));
+    let mut layer = Layer { from, notes };
     let (speed, zero) =
         (settings.impact_speed.map(Speed::si), settings.time_zero.and_then(TimeZero::stated).map(Time::si));
-    let km_per_h = |v: &f64| format!("{} km/h", (3.6e3 * v).round() / 1e3);
-    layer.put(&mut details.title, settings.title.clone(), "title", text);
-    layer.put(&mut details.vehicle, settings.vehicle.clone(), "vehicle", text);
-    layer.put(&mut details.barrier, settings.barrier.clone(), "barrier", text);
-    layer.put(&mut details.kind, settings.kind, "kind", |kind| kind.name().to_owned());
-    layer.put(&mut details.mass_kg, settings.mass.map(Mass::si), "mass", |kg| format!("{kg} kg"));
-    layer.put(&mut details.impact_speed_m_per_s, speed, "impact speed", km_per_h);
-    layer.put(&mut details.time_zero_s, zero, "time zero", |t| format!("{t} s"));
+    let words = |what: &'static str| {
+        move |new: &Stated<String>, old: &Stated<String>| {
+            let [value, other] = [new, old].map(|stated| format!("{:?}", stated.value));
+            OtherWords { what, value, from: new.from.clone(), other_from: old.from.clone(), other }.into()
+        }
+    };
+    let number = |what: &'static str, unit: &'static str| {
+        move |new: &Stated<f64>, old: &Stated<f64>| {
+            let (from, other_from) = (new.from.clone(), old.from.clone());
+            OtherNumber { what, value: new.value, unit, from, other_from, other: old.value }.into()
+        }
+    };
+    layer.put(&mut details.title, settings.title.clone(), words("title"));
+    layer.put(&mut details.vehicle, settings.vehicle.clone(), words("vehicle"));
+    layer.put(&mut details.barrier, settings.barrier.clone(), words("barrier"));
+    layer.put(&mut details.kind, settings.kind, |new, old| {
+        let [value, other] = [new, old].map(|stated| stated.value.name().to_owned());
+        OtherWords { what: "kind", value, from: new.from.clone(), other_from: old.from.clone(), other }.into()
+    });
+    layer.put(&mut details.overlap, settings.overlap, |new, old| {
+        let [value, other] = [new, old].map(|stated| stated.value.name().to_owned());
+        OtherWords { what: "overlap", value, from: new.from.clone(), other_from: old.from.clone(), other }.into()
+    });
+    layer.put(&mut details.mass_kg, settings.mass.map(Mass::si), number("mass", "kg"));
+    layer.put(&mut details.impact_speed_m_per_s, speed, number(IMPACT_SPEED, "m/s"));
+    layer.put(&mut details.time_zero_s, zero, number("time zero", "s"));
+}
+
+const IMPACT_SPEED: &str = "impact speed";
+
+/// A number of a statement as people have it: speeds in km/h.
+fn shown(value: f64, unit: &str) -> String {
+    if unit == "m/s" { format!("{} km/h", (3.6e3 * value).round() / 1e3) } else { format!("{value} {unit}") }
 }
 
 /// Checks that mass and impact speed are usable where they are stated. A speed of 0 is one: the vehicle stands.
@@ -216,35 +245,28 @@ pub fn check(file: &str, details: &Details) -> Result<()> {
 ///
 /// `from_rest`: the pulse pushes the vehicle forward, as on a sled or from behind; it needs no impact speed.
 pub fn note_missing(details: &Details, has_comments: bool, from_rest: bool, notes: &mut Notes) {
-    let lines = |line: &str| if has_comments { format!(", or a header line \"# {line}\"") } else { String::new() };
+    let line = |line: &str| has_comments.then(|| line.to_owned());
     if details.impact_speed_m_per_s.is_none() {
-        let found = details.speed_not_taken.as_ref().map_or_else(String::new, |found| format!(" ({found})"));
+        let reason = details.speed_not_taken.clone();
         if from_rest {
-            notes.info(format!(
-                "no impact speed is stated{found}. The pulse is positive, as of a sled or a hit from behind: velocity \
-                 is the change from time zero"
-            ));
+            notes.push(FromRest { reason });
         } else {
-            notes.concern(
-                About::ImpactSpeed,
-                Weight::Decisive,
-                format!(
-                    "no impact speed is stated{found}. For crush, restitution and models add --impact-speed 50km/h{}",
-                    lines("impact speed: 50 km/h")
-                ),
-            );
+            notes.push(NoImpactSpeed { reason, header_line: line("impact speed: 50 km/h") });
         }
     }
     if details.mass_kg.is_none() {
-        notes.concern(
-            About::Mass,
-            Weight::Decisive,
-            format!(
-                "no mass is stated. For force, energy, stiffness and models add --mass 1500kg{}",
-                lines("mass: 1500 kg")
-            ),
-        );
+        notes.push(NoMass { header_line: line("mass: 1500 kg") });
     }
+}
+
+/// What is found of a fact that is not taken, in brackets.
+fn in_brackets(reason: Option<&String>) -> String {
+    reason.map_or_else(String::new, |reason| format!(" ({reason})"))
+}
+
+/// The other way to state a fact that is missing.
+fn or_line(header_line: Option<&String>) -> String {
+    header_line.map_or_else(String::new, |line| format!(", or a header line \"# {line}\""))
 }
 
 /// Masses of cars and vans, kg, of which one may have been meant.
@@ -256,28 +278,130 @@ pub fn question_mass(details: &Details, is_typed: bool, notes: &mut Notes) {
     let Some(Stated { value, from }) = details.mass_kg.as_ref().filter(|mass| !is_mass_of_a_vehicle(mass.value)) else {
         return;
     };
+    let (mass_kg, from) = (*value, from.clone());
     if is_typed {
-        let falls = "; in a vertical fall its weight acts as well: models and crush leave the weight out";
-        // What is lighter than any vehicle may have been dropped.
-        let falls = if value < VEHICLE_KG.start() { falls } else { "" };
-        notes.info(format!("the mass of {value} kg is none of a vehicle and taken as typed{falls}"));
+        notes.push(TypedMass { mass_kg });
         return;
     }
     let units = [("t", 1e3), ("kg or g", 1e-3)];
-    let meant = units.into_iter().find(|(_, factor)| CAR_KG.contains(&(value * factor)));
-    let meant =
-        meant.map_or_else(String::new, |(unit, factor)| format!(" ({:.0} kg if {unit} is meant)", value * factor));
-    let text = format!(
-        "the mass is {value} kg by {from}, which no vehicle has{meant}: force, energy, stiffness and damping grow with \
-         it; --mass states another"
-    );
-    notes.concern_first(About::Mass, text);
+    let meant = units.into_iter().find(|(_, factor)| CAR_KG.contains(&(mass_kg * factor)));
+    let (unit, meant_kg) = meant.map(|(unit, factor)| (unit, mass_kg * factor)).unzip();
+    notes.push_first(MassOfNoVehicle { mass_kg, from, unit, meant_kg });
 }
 
 /// Whether nothing but the vehicle gives way, so that its speed can be held against its pulse.
 pub fn is_alone(details: &Details) -> bool {
     let is_vehicle = |barrier: &Stated<String>| barrier.value == ANOTHER_VEHICLE;
     details.vehicles.len() < 2 && !details.barrier.as_ref().is_some_and(is_vehicle)
+}
+
+remarks! {
+    /// Remarks of what is stated about the test.
+    pub REMARKS;
+
+    /// A comment line begins like a fact and has no value with a unit.
+    CR102 NotAValue { from: String, text: String }
+    bears on (About::Record, Weight::Slight)
+    decided "A comment line that begins with mass, impact speed or time zero and a colon is a fact: a number and its \
+             unit come behind the colon."
+    means "The line is ignored. Where nothing else states the fact, it is missing."
+    remedy "write the line as \"# mass: 1500 kg\", or state the fact by its flag: --mass, --impact-speed, --time-zero"
+    says format!("{from} says {text:?}: not a value with a unit, ignored");
+
+    /// Two places state another mass, impact speed or time zero.
+    CR103 OtherNumber {
+        what: &'static str, value: f64, unit: &'static str, from: String, other_from: String, other: f64
+    }
+    bears on (
+        match *what {
+            "mass" => About::Mass,
+            IMPACT_SPEED => About::ImpactSpeed,
+            _ => About::Time,
+        },
+        Weight::None
+    )
+    decided "A flag beats the sidecar file, which beats the record. The values are compared in SI units."
+    means "All results use the first value of the sentence. Forces grow with the mass, energy with the square of the \
+           speed."
+    remedy "leave the flag or the line of the sidecar out if the record is right"
+    says format!("{what} is {} by {from}; {other_from} says {}", shown(*value, unit), shown(*other, unit));
+
+    /// Two places state another title, vehicle, barrier or kind of test.
+    CR104 OtherWords { what: &'static str, value: String, from: String, other_from: String, other: String }
+    bears on (About::Record, Weight::None)
+    decided "A flag beats the sidecar file, which beats the record."
+    means "Reports show the first of both. A kind that is no vehicle, and a barrier that is another vehicle, also \
+           decide which results are made."
+    remedy "leave the flag or the line of the sidecar out if the record is right"
+    says format!("{what} is {value} by {from}; {other_from} says {other}");
+
+    /// No impact speed is stated, and the pulse pushes the vehicle forward.
+    CR105 FromRest { reason: Option<String> }
+    bears on (About::ImpactSpeed, Weight::None)
+    decided "The acceleration gains more than 0.25 m/s in the first 150 ms, as on a sled or in a hit from behind."
+    means "Velocity is the change from time zero. Delta-v and the pulse hold; there is no crush and no restitution."
+    remedy "nothing for a motion from rest; else state the speed by --impact-speed"
+    says format!(
+        "no impact speed is stated{}. The pulse is positive, as of a sled or a hit from behind: velocity is the change \
+         from time zero",
+        in_brackets(reason.as_ref())
+    );
+
+    /// No impact speed is stated.
+    CR106 NoImpactSpeed { reason: Option<String>, header_line: Option<String> }
+    bears on (About::ImpactSpeed, Weight::Decisive)
+    decided "No flag, no sidecar file and no fact of the record states it. In brackets: what was found and not taken."
+    means "The pulse and the change of velocity hold. There is no crush, no restitution and no model."
+    remedy "add --impact-speed with its unit: --impact-speed 50km/h"
+    says format!(
+        "no impact speed is stated{}. For crush, restitution and models add --impact-speed 50km/h{}",
+        in_brackets(reason.as_ref()),
+        or_line(header_line.as_ref())
+    );
+
+    /// No mass is stated.
+    CR107 NoMass { header_line: Option<String> }
+    bears on (About::Mass, Weight::Decisive)
+    decided "No flag, no sidecar file and no fact of the record states it."
+    means "Pulse, velocity and crush hold: they need no mass. There is no force, energy, stiffness or model."
+    remedy "add --mass with its unit: --mass 1500kg"
+    says format!(
+        "no mass is stated. For force, energy, stiffness and models add --mass 1500kg{}",
+        or_line(header_line.as_ref())
+    );
+
+    /// No vehicle has the mass that was typed.
+    CR108 TypedMass { mass_kg: f64 }
+    bears on (About::Mass, Weight::None)
+    decided "Vehicles have 200 kg to 60,000 kg: from a light quadricycle to a lorry with its load. The mass was typed \
+             with its unit, and the record states none of a vehicle."
+    means "The mass is used as it was typed, for a component, say. Of a body that falls its weight is left out."
+    remedy "nothing, if the unit is right"
+    says {
+        // What is lighter than any vehicle may have been dropped.
+        let falls = if mass_kg < VEHICLE_KG.start() {
+            "; in a vertical fall its weight acts as well: models and crush leave the weight out"
+        } else {
+            ""
+        };
+        format!("the mass of {mass_kg} kg is none of a vehicle and taken as typed{falls}")
+    };
+
+    /// No vehicle has the mass that is stated.
+    CR109 MassOfNoVehicle { mass_kg: f64, from: String, unit: Option<&'static str>, meant_kg: Option<f64> }
+    bears on (About::Mass, Weight::Decisive)
+    decided "Vehicles have 200 kg to 60,000 kg: from a light quadricycle to a lorry with its load. In brackets: the \
+             unit that would make it the mass of a car or a van, 500 kg to 5,000 kg."
+    means "Force, energy, stiffness and damping are wrong by the same factor as the mass. Velocity and crush hold."
+    remedy "state the mass with its unit: --mass 1500kg"
+    says {
+        let meant = unit.zip(*meant_kg);
+        let meant = meant.map_or_else(String::new, |(unit, kg)| format!(" ({kg:.0} kg if {unit} is meant)"));
+        format!(
+            "the mass is {mass_kg} kg by {from}, which no vehicle has{meant}: force, energy, stiffness and damping \
+             grow with it; --mass states another"
+        )
+    };
 }
 
 #[cfg(test)]
@@ -371,7 +495,8 @@ mod tests {
         let mut notes = Notes::new();
         question_mass(&details, true, &mut notes);
         assert!(notes.to_texts().concat().contains("leave the weight out"));
-        assert!(notes.iter().all(|note| note.bearing.is_none()), "it bears on nothing");
+        let is_harmless = |note: &Note| note.bearing.as_ref().is_some_and(|bearing| bearing.weight == Weight::None);
+        assert!(notes.iter().all(is_harmless), "it changes nothing");
     }
 
     #[test]

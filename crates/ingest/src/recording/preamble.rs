@@ -1,7 +1,7 @@
 //! Mass and impact speed from rows of names and values: above a table, or on another sheet of a workbook.
 
 use crumple_signal::unit::{Dimension, parse_value};
-use crumple_signal::{Notes, QuantityKind};
+use crumple_signal::{About, Notes, QuantityKind, Weight, remarks};
 
 use crate::recording::details::{Details, Stated};
 
@@ -70,8 +70,8 @@ pub fn take(rows: impl Iterator<Item = (String, Vec<String>)>, details: &mut Det
             // Words behind such a name are no value.
             None if value.starts_with(|c: char| c.is_ascii_digit()) => {
                 let flag = if dimension == Dimension::Mass { "--mass 1500kg" } else { "--impact-speed 50km/h" };
-                let what = format!("{first} {value} is no {} with its unit", dimension.name());
-                notes.info(format!("{from}: {what} and is not taken; {flag}, for example, states it"));
+                let (name, value, what) = (first.to_owned(), value.clone(), dimension.name());
+                notes.push(NoUnit { from, name, value, what, flag });
             }
             None => {}
         }
@@ -81,15 +81,34 @@ pub fn take(rows: impl Iterator<Item = (String, Vec<String>)>, details: &mut Det
     {
         let Some(first) = found.first() else { continue };
         match found.iter().find(|other| (other.value - first.value).abs() > 1e-9 * first.value) {
-            Some(other) => notes.warning(format!(
-                "{} and {} state another {what}: none is taken, a flag states it",
-                first.from, other.from
-            )),
+            Some(other) => notes.push(TwoValues { from: first.from.clone(), other_from: other.from.clone(), what }),
             None => {
                 slot.get_or_insert_with(|| first.clone());
             }
         }
     }
+}
+
+remarks! {
+    /// Remarks of rows above a table.
+    pub REMARKS;
+
+    /// A row names mass or impact speed, but its value has no unit.
+    CR110 NoUnit { from: String, name: String, value: String, what: &'static str, flag: &'static str }
+    bears on (About::Record, Weight::None)
+    decided "A row is a fact if its first cell names mass or speed. The unit comes with the value, in the next cell, \
+             or in brackets behind the name."
+    means "The value is not taken. Where nothing else states it, it is missing."
+    remedy "state it by the flag of the sentence, or write the unit into the row"
+    says format!("{from}: {name} {value} is no {what} with its unit and is not taken; {flag}, for example, states it");
+
+    /// Two rows state another mass or impact speed.
+    CR111 TwoValues { from: String, other_from: String, what: &'static str }
+    bears on (About::Record, Weight::Slight)
+    decided "Values of all rows that name it are compared in SI units; 1e-9 of the value is left for rounding."
+    means "None of both is taken. Where nothing else states it, results that need it are missing."
+    remedy "state the right one by its flag: --mass or --impact-speed"
+    says format!("{from} and {other_from} state another {what}: none is taken, a flag states it");
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use crumple_signal::unit::{signal_unit, without_brackets};
-use crumple_signal::{Notes, QuantityKind, Sampled};
+use crumple_signal::{About, Notes, QuantityKind, Sampled, Weight, remarks};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use crate::recording::content::{Fitness, ReadChannel};
@@ -130,11 +130,7 @@ impl Scales {
                 return refuse_channel(file, found, format!("one of {}", ids.join(", ")), hint);
             };
             let read = &mut channels[*k];
-            let taken_as = if scale.of_volts && read.channel.quantity == QuantityKind::Other {
-                "; its numbers state no unit and are taken as V"
-            } else {
-                ""
-            };
+            let taken_as = (scale.of_volts && read.channel.quantity == QuantityKind::Other).then_some("V");
             let is_fit = match read.channel.quantity {
                 QuantityKind::Other => true,
                 QuantityKind::Voltage => scale.of_volts,
@@ -155,11 +151,28 @@ impl Scales {
             read.wave = Some(scaled);
             read.channel.quantity = scale.quantity;
             read.fitness = Fitness::of_only(scale.quantity, "the only acceleration");
-            let (id, quantity, words) = (&read.channel.id, scale.quantity, &scale.words);
-            notes.info(format!("channel {id}: {quantity} by --scale {words}{taken_as}"));
+            let (id, quantity) = (read.channel.id.clone(), scale.quantity.to_string());
+            notes.push(Scaled { id, quantity, scale: scale.words.clone(), taken_as });
         }
         Ok(())
     }
+}
+
+remarks! {
+    /// Remarks of sensitivities.
+    pub REMARKS;
+
+    /// A channel in volts or counts became a quantity.
+    CR112 Scaled { id: String, quantity: String, scale: String, taken_as: Option<&'static str> }
+    bears on (About::Channel(id.clone()), Weight::None)
+    decided "--scale states the sensitivity of the sensor, and behind @ what it reads at zero."
+    means "A wrong sensitivity makes the channel wrong by the same factor, and delta-v and crush with it."
+    remedy "compare the sensitivity with the calibration sheet of the sensor"
+    says {
+        let taken_as =
+            taken_as.map_or_else(String::new, |unit| format!("; its numbers state no unit and are taken as {unit}"));
+        format!("channel {id}: {quantity} by --scale {scale}{taken_as}")
+    };
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use crumple_signal::iso13499::IsoCode;
 use crumple_signal::value::{Frequency, Mass, Speed, Time};
-use crumple_signal::{Channel, Notes, TestKind, Uncertain, resolve_channels};
+use crumple_signal::{About, Channel, Notes, Overlap, TestKind, Uncertain, Weight, remarks, resolve_channels};
 use serde::{Deserialize, Serialize};
 
 use crate::recording::content::ReadChannel;
@@ -68,6 +68,10 @@ pub struct IngestSettings {
     /// it, else vehicle.
     #[arg(long, value_enum, value_name = "KIND", hide_possible_values = true)]
     pub kind: Option<TestKind>,
+    /// How the vehicle met what it hit: full, or glancing, where it slid past and kept a part of its speed, as in a
+    /// small overlap. A speed that is left is then no doubt about the impact speed.
+    #[arg(long, value_enum, value_name = "OVERLAP", hide_possible_values = true)]
+    pub overlap: Option<Overlap>,
     /// Channel to take as the crash pulse: a column name or number of a table, a curve number of an NHTSA test, a
     /// channel code, or a pattern that means one channel: '1?VEHC*X?', 'FLLR*'. With --list: the channels to print.
     /// Default: the only acceleration column; for an NHTSA test the rear-seat crossmember or the next best place along
@@ -179,7 +183,7 @@ macro_rules! layers {
 
 impl IngestSettings {
     layers! {
-        mass impact_speed kind channel unit scale wall time_unit
+        mass impact_speed kind overlap channel unit scale wall time_unit
         time_zero time_zero_rule time_zero_uncertainty impact sign sample_time
         profile skip_to sheet place field resample
         vehicle_number vehicle title barrier allow_missing
@@ -229,13 +233,26 @@ pub fn warn_except(settings: &IngestSettings, relevant: &[&str], why: &str, note
 
 /// Warns of a flag that this record does not need.
 pub fn warn(flag: &str, why: &str, notes: &mut Notes) {
-    notes.warning(format!("{flag} has no effect: {why}"));
+    notes.push(NoEffect { flag: flag.to_owned(), reason: why.to_owned() });
 }
 
 /// The channels meant, as indices, see [`resolve_channels`].
 pub fn select(channels: &[ReadChannel], wanted: &str) -> Vec<usize> {
     let named: Vec<(&Channel, &[String])> = channels.iter().map(|f| (&f.channel, f.aliases.as_slice())).collect();
     resolve_channels(&named, wanted)
+}
+
+remarks! {
+    /// Remarks of flags.
+    pub REMARKS;
+
+    /// A flag is given that this record does not need.
+    CR113 NoEffect { flag: String, reason: String }
+    bears on (About::Record, Weight::Slight)
+    decided "Each format names the flags that it uses; what settles the matter instead stands in the sentence."
+    means "The result is the same without the flag. If you meant to change something, it has not changed."
+    remedy "leave the flag out, or check whether the record is the one that you meant"
+    says format!("{flag} has no effect: {reason}");
 }
 
 #[cfg(test)]

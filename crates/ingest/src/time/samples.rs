@@ -1,6 +1,6 @@
 //! The times of samples as a file has them, and the uniform grid that they are.
 
-use crumple_signal::{About, Notes, Weight};
+use crumple_signal::{About, Notes, Weight, remarks};
 
 use crate::recording::details::Stated;
 use crate::time::grid::{Grid, median_step};
@@ -90,7 +90,7 @@ impl Times<'_> {
         {
             self.values = from_first;
             self.kind = Kind::Clock;
-            notes.info(format!("the times of {} are those of a clock packed into a number, hhmmss", self.whose));
+            notes.push(PackedClock { column: self.whose.to_owned() });
         }
         let unit_s = if self.kind == Kind::Clock { 1.0 } else { self.unit_s(settings, notes)? };
         let mut resolution_s = self.resolution(unit_s);
@@ -129,8 +129,7 @@ impl Times<'_> {
         if let Some(symbol) = &settings.time_unit {
             let flag = stated_unit(place(), symbol, "--time-unit or the sidecar")?;
             if matches!(self.unit, LabelUnit::Time(of_label) if of_label != flag) {
-                let text = format!("--time-unit {symbol} is not the unit that the label of {} states", self.whose);
-                notes.concern(About::Time, Weight::Marked, text);
+                notes.push(AnotherTimeUnit { unit: symbol.clone(), column: self.whose.to_owned() });
             }
             return Ok(flag);
         }
@@ -178,6 +177,28 @@ fn packed_clock(times: &[f64]) -> Option<Vec<f64>> {
     let usual_s = median_step(&of_day);
     let is_even = |k: &usize| (of_day[*k] - of_day[*k - 1] - usual_s).abs() < 0.5 * usual_s;
     turns.iter().all(is_even).then(|| of_day.iter().map(|t| t - of_day[0]).collect())
+}
+
+remarks! {
+    /// Remarks of the times of samples.
+    pub REMARKS;
+
+    /// The times are a clock that is packed into a number.
+    CR114 PackedClock { column: String }
+    bears on (About::Time, Weight::None)
+    decided "No unit is stated, all numbers are times of a day as hhmmss, and where a minute turns the step is as long \
+             as the others."
+    means "Times are seconds from the first sample. Read as plain numbers they would jump at every minute."
+    remedy "nothing; --time-unit s takes the numbers for seconds"
+    says format!("the times of {column} are those of a clock packed into a number, hhmmss");
+
+    /// The flag states another unit of time than the label of the times.
+    CR115 AnotherTimeUnit { unit: String, column: String }
+    bears on (About::Time, Weight::Marked)
+    decided "The unit of --time-unit, or of the sidecar, is compared with the unit of the label. The flag is used."
+    means "If the label is right, delta-v is wrong by the ratio of both units and crush by its square."
+    remedy "leave --time-unit out if the label is right"
+    says format!("--time-unit {unit} is not the unit that the label of {column} states");
 }
 
 #[cfg(test)]

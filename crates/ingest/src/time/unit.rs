@@ -1,7 +1,7 @@
 //! Units of time: as stated, else by the steps where those tell it.
 
-use crumple_signal::Notes;
 use crumple_signal::unit::{Dimension, choices, factor};
+use crumple_signal::{About, Notes, Weight, remarks};
 
 use crate::recording::details::Stated;
 use crate::time::grid::{median_step, shortest};
@@ -47,10 +47,7 @@ pub fn unit_from_steps(
             return Err(IngestError::unit_of_time(file, steps, expected, &units_by_rate(step)));
         }
     };
-    notes.info(format!(
-        "no unit of time is stated for {whose}: {symbol} is assumed, because the steps are {step:.6}. --time-unit \
-         overrides"
-    ));
+    notes.push(AssumedTimeUnit { column: whose.to_owned(), unit: symbol, step });
     Ok(factor)
 }
 
@@ -90,4 +87,21 @@ pub fn contradicts(file: &str, title: &str, factor: f64, stated: &Stated<String>
         "one unit",
         "correct the one that is wrong, or --time-unit says which counts",
     )
+}
+
+remarks! {
+    /// Remarks of units of time.
+    pub REMARKS;
+
+    /// No unit of time is stated; the steps of the times tell it.
+    CR116 AssumedTimeUnit { column: String, unit: &'static str, step: f64 }
+    bears on (About::Time, Weight::None)
+    decided "The median step is read. Steps of 1e-7 to 0.02 are s: in ms they would be sampled at 50 kHz to 10 GHz. \
+             Numbers as large as dates of Excel or MATLAB are days. Any other step is asked about."
+    means "Delta-v grows with the unit of time, and crush with its square."
+    remedy "nothing, if the sampling rate is that of the recorder; else state the unit by --time-unit"
+    says format!(
+        "no unit of time is stated for {column}: {unit} is assumed, because the steps are {step:.6}. --time-unit \
+         overrides"
+    );
 }

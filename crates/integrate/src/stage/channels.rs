@@ -1,9 +1,9 @@
 //! Other channels than the pulse: integrated beside it, and how far sensors of one place agree.
 
-use crumple_metrics::{ChannelMotion, LARGEST_CRUSH_GAP, Metric, agreement, definitions, over_channels};
+use crumple_metrics::{Agreement, ChannelMotion, LARGEST_CRUSH_GAP, Metric, agreement, definitions, over_channels};
 use crumple_signal::{
     About, Axis, Channel, ChannelStatus, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2, Sampled, TestDescription,
-    Weight, part_of,
+    Weight, part_of, remarks,
 };
 use crumple_stage::records::MetricV1;
 use crumple_stage::{Inputs, Output, Refused, program};
@@ -50,12 +50,7 @@ pub fn other_channels<'a>(
         // Heads and chests are here for their criteria.
         left.retain(|channel| part_of(channel).is_none());
         if !left.is_empty() {
-            let ids: Vec<&str> = left.iter().map(|channel| channel.id.as_str()).collect();
-            notes.info(format!(
-                "not integrated, because failed or not in the compartment: channels {} (--set \
-                 integrate.channels=all,ID adds one)",
-                ids.join(", ")
-            ));
+            notes.push(NotInTheCompartment { channels: left.iter().map(|channel| channel.id.clone()).collect() });
         }
         // What was named is integrated, along whatever axis.
         for id in &ids {
@@ -142,10 +137,8 @@ impl<'a> ChannelAgreement<'a> {
             self.others.push((other.id.clone(), integrated.metrics.clone()));
             return self.note_gaps(other, integrated, notes);
         };
-        notes.info(format!(
-            "channel {} is not in the spread: channel {} is failed or not of the compartment",
-            other.id, outside.id
-        ));
+        let (channel, pulse) = (other.id.clone(), self.channel.id.clone());
+        notes.push(NotCompared { channel, pulse, outside: Some(outside.id.clone()) });
     }
 
     /// Whether another channel shows the motion of the pulse: its crush within 5 %, on a grid that can be compared.
@@ -156,27 +149,39 @@ impl<'a> ChannelAgreement<'a> {
 
     fn note_gaps(&self, other: &Channel, integrated: &Integrated, notes: &mut Notes) {
         let Some(crush) = self.pulse.events.crush else { return };
-        let id = format!("channel {} against {}", other.id, self.channel.id);
+        let (channel, pulse) = (other.id.clone(), self.channel.id.clone());
         let Ok(gaps) = agreement(motion(self.pulse), motion(integrated), crush.time_s) else {
-            return notes.info(format!("{id}: on another time grid, not compared sample by sample"));
+            return notes.push(NotCompared { channel, pulse, outside: None });
         };
-        let none = || "none".to_owned();
-        let crush_gap = gaps.crush_gap_m.zip(gaps.crush_gap_ratio);
-        let text = format!(
-            "{id}: largest |da| {:.2} g, |dv| at dynamic crush {}, |dC| {}, fit {}",
-            gaps.largest_acceleration_gap_m_per_s2 / STANDARD_GRAVITY_M_PER_S2,
-            gaps.velocity_gap_m_per_s.map_or_else(none, |dv| format!("{dv:.3} m/s")),
-            crush_gap.map_or_else(none, |(gap, ratio)| format!("{:.1} mm ({:.1} %)", 1e3 * gap, 1e2 * ratio)),
-            gaps.fit_percent.map_or_else(none, |fit| format!("{fit:.1} %")),
-        );
+        let Agreement {
+            largest_acceleration_gap_m_per_s2: acceleration_gap_m_per_s2,
+            velocity_gap_m_per_s,
+            crush_gap_m,
+            crush_gap_ratio: crush_gap,
+            fit_percent,
+            ..
+        } = gaps;
         if gaps.may_be_averaged() {
-            notes.info(text);
+            notes.push(ChannelAgrees {
+                channel,
+                pulse,
+                acceleration_gap_m_per_s2,
+                velocity_gap_m_per_s,
+                crush_gap_m,
+                crush_gap,
+                fit_percent,
+            });
         } else {
-            notes.concern(
-                About::Motion,
-                Weight::Marked,
-                format!("{text}: more than {:.0} % of crush apart", 1e2 * LARGEST_CRUSH_GAP),
-            );
+            notes.push(ChannelDiffers {
+                channel,
+                pulse,
+                acceleration_gap_m_per_s2,
+                velocity_gap_m_per_s,
+                crush_gap_m,
+                crush_gap,
+                fit_percent,
+                most_percent: 1e2 * LARGEST_CRUSH_GAP,
+            });
         }
     }
 
@@ -198,17 +203,10 @@ impl<'a> ChannelAgreement<'a> {
         let low = crushes().min_by(|a, b| a.1.total_cmp(&b.1));
         let high = crushes().max_by(|a, b| a.1.total_cmp(&b.1));
         if let (Some(low), Some(high), true) = (low, high, crushes().count() > 1) {
-            let text = format!(
-                "dynamic crush of {} channels: {:.4} m (channel {}) to {:.4} m (channel {}), {:.1} % apart",
-                crushes().count(),
-                low.1,
-                low.0,
-                high.1,
-                high.0,
-                1e2 * (high.1 - low.1) / high.1.abs()
-            );
-            out.summary(text.clone());
-            out.notes().info(text + "; the spread of every metric is the interval of their joint entry in /metrics");
+            let (channels, share) = (crushes().count(), (high.1 - low.1) / high.1.abs());
+            out.summary(crush_spread(channels, (low.1, low.0), (high.1, high.0), share));
+            let (lowest, highest) = (low.0.to_owned(), high.0.to_owned());
+            out.notes().push(CrushSpread { channels, low_m: low.1, lowest, high_m: high.1, highest, share });
         }
         let spread = |(k, metric): (usize, &Metric)| {
             let of_others: Vec<&Metric> = others.iter().filter_map(|(_, metrics)| metrics.get(k)).collect();
@@ -245,26 +243,17 @@ pub fn integrate_others(
     let asked = settings.uncertainty.as_ref().map_or(0, |uncertainty| uncertainty.replicates);
     let most_replicates = replicates_of_others(asked, channels.len());
     if most_replicates < asked {
-        out.notes().info(format!(
-            "intervals of the {} channels beside the pulse are 5-95 % of {most_replicates} replicates each, not \
-             {asked}: they are many",
-            channels.len()
-        ));
+        out.notes().push(FewerReplicates { channels: channels.len(), replicates: most_replicates, asked });
     }
     let task = &ChannelIntegration { most_replicates, ..*task };
     for other in channels {
         let samples = acceleration(input, other)?;
         if !covers(&samples) {
-            out.notes().concern(
-                About::Channel(other.id.clone()),
-                Weight::Slight,
-                format!(
-                    "channel {} runs from {:.1} to {:.1} ms and does not contain contact: not integrated",
-                    other.id,
-                    1e3 * samples.t0_s(),
-                    1e3 * samples.end_s()
-                ),
-            );
+            out.notes().push(WithoutContact {
+                channel: other.id.clone(),
+                from_s: samples.t0_s(),
+                to_s: samples.end_s(),
+            });
             continue;
         }
         let motion = task.integrate(other, &samples, out)?;
@@ -272,15 +261,7 @@ pub fn integrate_others(
         let unnamed =
             !settings.channels.iter().any(|name| test.resolve_channels(name).iter().any(|c| c.id == other.id));
         if unnamed && unplaced(other) && !others.agrees(&motion) {
-            out.notes().concern(
-                About::Channel(other.id.clone()),
-                Weight::Slight,
-                format!(
-                    "channel {} does not move as the pulse does, and nothing says where it sits: not compared with the \
-                 vehicle (if it is of the compartment, name it: --set integrate.channels=all,{})",
-                    other.id, other.id
-                ),
-            );
+            out.notes().push(MovesOtherwise { channel: other.id.clone() });
             continue;
         }
         note_warnings(&other.id, &motion, impact_speed_m_per_s, out.notes());
@@ -308,6 +289,149 @@ fn motion(integrated: &Integrated) -> ChannelMotion<'_> {
         velocity: &integrated.motion.velocity,
         dynamic_crush_m: integrated.events.crush.map(|crush| crush.displacement_m),
     }
+}
+
+/// How far a channel is from the pulse: acceleration, m/s², velocity at dynamic crush, m/s, crush, m and as a share,
+/// fit, percent.
+fn gaps_in_words(
+    [channel, pulse]: [&str; 2],
+    acceleration_gap_m_per_s2: f64,
+    velocity_gap_m_per_s: Option<f64>,
+    crush_gap: Option<(f64, f64)>,
+    fit_percent: Option<f64>,
+) -> String {
+    let none = || "none".to_owned();
+    format!(
+        "channel {channel} against {pulse}: largest |da| {:.2} g, |dv| at dynamic crush {}, |dC| {}, fit {}",
+        acceleration_gap_m_per_s2 / STANDARD_GRAVITY_M_PER_S2,
+        velocity_gap_m_per_s.map_or_else(none, |dv| format!("{dv:.3} m/s")),
+        crush_gap.map_or_else(none, |(gap, ratio)| format!("{:.1} mm ({:.1} %)", 1e3 * gap, 1e2 * ratio)),
+        fit_percent.map_or_else(none, |fit| format!("{fit:.1} %")),
+    )
+}
+
+/// The line of the summary: lowest and highest crush, m, with their channels.
+fn crush_spread(channels: usize, (low_m, lowest): (f64, &str), (high_m, highest): (f64, &str), share: f64) -> String {
+    format!(
+        "dynamic crush of {channels} channels: {low_m:.4} m (channel {lowest}) to {high_m:.4} m (channel {highest}), \
+         {:.1} % apart",
+        1e2 * share
+    )
+}
+
+remarks! {
+    /// Remarks of channels beside the pulse.
+    pub REMARKS;
+
+    /// Accelerometers that failed, or that do not sit in the compartment, are not integrated.
+    CR339 NotInTheCompartment { channels: Vec<String> }
+    bears on (About::Motion, Weight::None)
+    decided "integrate.channels is all: a channel is left out by its status, or where its code, location or name says \
+             engine, wheel, brake, bumper, the front and the like."
+    means "These parts move apart from the compartment. They are not in the range of the sensors."
+    remedy "nothing; integrate.channels = [\"all\", \"ID\"] adds one"
+    says format!(
+        "not integrated, because failed or not in the compartment: channels {} (--set integrate.channels=all,ID adds \
+         one)",
+        channels.join(", ")
+    );
+
+    /// A channel is not compared with the pulse.
+    CR340 NotCompared { channel: String, pulse: String, outside: Option<String> }
+    bears on (About::Motion, Weight::None)
+    decided "Channels are compared sample by sample on one time grid. Channels that failed or do not sit in the \
+             compartment are not compared."
+    means "Its metrics are in /metrics. It is not in the range that the sensors of the compartment give."
+    remedy "nothing; filter.resample brings channels to one grid"
+    says match outside {
+        Some(outside) => format!(
+            "channel {channel} is not in the spread: channel {outside} is failed or not of the compartment"
+        ),
+        None => {
+            format!("channel {channel} against {pulse}: on another time grid, not compared sample by sample")
+        }
+    };
+
+    /// Another sensor of the compartment gives the crush of the pulse.
+    CR341 ChannelAgrees {
+        channel: String, pulse: String, acceleration_gap_m_per_s2: f64, velocity_gap_m_per_s: Option<f64>,
+        crush_gap_m: Option<f64>, crush_gap: Option<f64>, fit_percent: Option<f64>
+    }
+    bears on (About::Motion, Weight::None)
+    decided "The crush of both differs by at most 5 %; velocities are compared at the time of dynamic crush."
+    means "Both sensors measured the same motion. What they differ by is the error of a single sensor."
+    remedy "nothing"
+    says gaps_in_words(
+        [channel, pulse],
+        *acceleration_gap_m_per_s2,
+        *velocity_gap_m_per_s,
+        crush_gap_m.zip(*crush_gap),
+        *fit_percent,
+    );
+
+    /// Another sensor of the compartment gives another crush than the pulse.
+    CR342 ChannelDiffers {
+        channel: String, pulse: String, acceleration_gap_m_per_s2: f64, velocity_gap_m_per_s: Option<f64>,
+        crush_gap_m: Option<f64>, crush_gap: Option<f64>, fit_percent: Option<f64>, most_percent: f64
+    }
+    bears on (About::Motion, Weight::Marked)
+    decided "The crush of both differs by more than 5 %, or one of them has none."
+    means "A sensor is wrong, or the structure moves differently where it sits: one reading is no better than the gap."
+    remedy "quote the range of the sensors; leave a sensor out whose pulse is wrong"
+    says {
+        let text = gaps_in_words(
+            [channel, pulse],
+            *acceleration_gap_m_per_s2,
+            *velocity_gap_m_per_s,
+            crush_gap_m.zip(*crush_gap),
+            *fit_percent,
+        );
+        format!("{text}: more than {most_percent:.0} % of crush apart")
+    };
+
+    /// The range of the dynamic crush over the sensors of the compartment.
+    CR343 CrushSpread { channels: usize, low_m: f64, lowest: String, high_m: f64, highest: String, share: f64 }
+    bears on (About::Motion, Weight::None)
+    decided "Lowest and highest dynamic crush of the pulse and the channels that are compared with it."
+    means "The range is the error bar of a single sensor. /metrics has it of every metric, under all channels together."
+    remedy "quote the range beside the crush of the pulse"
+    says crush_spread(*channels, (*low_m, lowest), (*high_m, highest), *share)
+        + "; the spread of every metric is the interval of their joint entry in /metrics";
+
+    /// Many channels have intervals of fewer repetitions than the pulse.
+    CR344 FewerReplicates { channels: usize, replicates: usize, asked: usize }
+    bears on (About::Motion, Weight::None)
+    decided "Up to 60 channels beside the pulse have all repetitions. More channels share as many, 50 each at least."
+    means "The 5 % and 95 % quantiles of these channels are less certain. Those of the pulse are not touched."
+    remedy "nothing; integrate.channels with fewer channels gives each of them more"
+    says format!(
+        "intervals of the {channels} channels beside the pulse are 5-95 % of {replicates} replicates each, not \
+         {asked}: they are many"
+    );
+
+    /// A channel does not contain contact and is not integrated.
+    CR345 WithoutContact { channel: String, from_s: f64, to_s: f64 }
+    bears on (About::Channel(channel.clone()), Weight::Slight)
+    decided "The channel starts later than one sampling interval after time zero, or ends there."
+    means "Its speed is not known at any sample, so that it has no motion. The pulse is not touched."
+    remedy "nothing, or check the time axis of the channel"
+    says format!(
+        "channel {channel} runs from {:.1} to {:.1} ms and does not contain contact: not integrated",
+        1e3 * from_s,
+        1e3 * to_s
+    );
+
+    /// A channel of an unknown place moves otherwise than the pulse.
+    CR346 MovesOtherwise { channel: String }
+    bears on (About::Channel(channel.clone()), Weight::Slight)
+    decided "Neither location nor code says where it sits, and its crush is more than 5 % beside the crush of the \
+             pulse."
+    means "It is not compared with the vehicle and not in the range of the sensors. The pulse is not touched."
+    remedy "name it if it is of the compartment: integrate.channels = [\"all\", \"ID\"]"
+    says format!(
+        "channel {channel} does not move as the pulse does, and nothing says where it sits: not compared with the \
+         vehicle (if it is of the compartment, name it: --set integrate.channels=all,{channel})"
+    );
 }
 
 #[cfg(test)]

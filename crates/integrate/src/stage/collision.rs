@@ -5,7 +5,7 @@ use crumple_metrics::definitions::{
     TIME_OF_COMMON_VELOCITY,
 };
 use crumple_metrics::{Metric, TwoVehicleImpact, collision, common_velocity};
-use crumple_signal::{Channel, QuantityKind, Signal, TestDescription, Velocity, part_of};
+use crumple_signal::{About, Channel, QuantityKind, Signal, TestDescription, Velocity, Weight, part_of, remarks};
 use crumple_stage::records::{MetricV1, MetricsV2, VehicleV1, VehiclesV1};
 use crumple_stage::{Inputs, Outcome, Output};
 
@@ -57,9 +57,7 @@ pub fn other_vehicle(
     let number = other.number;
     let channel = other.pulse.as_deref().and_then(|id| task.test.channel(id));
     let Some(channel) = channel.filter(|channel| task.input.wave_if(&channel.id).is_some()) else {
-        out.notes().info(format!(
-            "vehicle {number} has no pulse in the inputs: no relative crush, common velocity and balance of momentum"
-        ));
+        out.notes().push(OtherWithoutPulse { vehicle: number });
         return Ok(Vec::new());
     };
     let mut described = task.test.clone();
@@ -75,11 +73,7 @@ pub fn other_vehicle(
     let mut metrics = metric_records(&channel.id, &motion);
     let velocity = &motion.motion.velocity;
     let Some(other_speed) = other.impact_speed_m_per_s else {
-        out.notes().warning(format!(
-            "vehicle {number} states no speed (0 would be one): its velocity is the change of it, and nothing is \
-             said of \
-             both"
-        ));
+        out.notes().push(OtherWithoutSpeed { vehicle: number });
         out.wave(
             &format!("{}/velocity_change", channel.id),
             QuantityKind::VelocityChange,
@@ -95,12 +89,7 @@ pub fn other_vehicle(
             say(&found, [own.number, number], masses, speeds, out);
             metrics.extend(collision_metrics(&found, masses, speeds).iter().map(|metric| metric_record(&ids, metric)));
         }
-        None => out.notes().warning(format!(
-            "the pulses {} and {} of both vehicles show no collision along x (another grid, no change of velocity, or \
-             a \
-             hit across): nothing is said of both",
-            pulse.id, channel.id
-        )),
+        None => out.notes().push(NoCollisionSeen { pulse: pulse.id.clone(), other: channel.id.clone() }),
     }
     out.wave(&format!("{}/velocity", channel.id), QuantityKind::Velocity, velocity.clone().into_sampled())?;
     Ok(metrics)
@@ -133,7 +122,6 @@ fn say(
     speeds: [f64; 2],
     out: &mut Output,
 ) {
-    let heading = if found.same_heading { "the same way" } else { "towards it" };
     let text = match found.common {
         Some(common) => format!(
             "vehicles {own} and {other}: relative crush {:.4} m and common velocity {:.3} m/s at {:.2} ms",
@@ -144,31 +132,27 @@ fn say(
         None => format!("vehicles {own} and {other} still approach each other at the end of the record"),
     };
     out.summary(text);
-    out.notes().info(format!(
-        "vehicle {other} heads {heading}, as the changes of velocity say: closing speed {:.3} m/s; the velocities \
-         along \
-         the axis of vehicle {own}",
-        found.closing_speed_m_per_s
-    ));
-    out.notes().info(
-        "models of one vehicle at a rigid barrier are fitted to the pulse as if it had met one: their crush and \
-         parameters are not those of the vehicle alone",
-    );
+    let heading = if found.same_heading { "the same way" } else { "towards it" }.to_owned();
+    out.notes().push(ClosingSpeed { vehicle: own, other, heading, closing_m_per_s: found.closing_speed_m_per_s });
+    out.notes().push(ModelsOfOneVehicle {});
     let Some((first, second)) = masses else { return };
     let sign = if found.same_heading { 1.0 } else { -1.0 };
-    let expected = common_velocity([first, second], [speeds[0], sign * speeds[1]]);
+    let common_velocity_m_per_s = common_velocity([first, second], [speeds[0], sign * speeds[1]]);
     let Some(gap) = found.momentum_gap([first, second]) else { return };
-    let text = format!(
-        "momentum: the changes of both vehicles leave {:+.1} % of that of vehicle {own} over; the masses and speeds \
-         give a \
-         common velocity of {expected:.3} m/s",
-        100.0 * gap
-    );
     if gap.abs() <= LARGE_GAP {
-        out.notes().info(text);
+        out.notes().push(MomentumKept { vehicle: own, left_over: gap, common_velocity_m_per_s });
     } else {
-        out.notes().warning(format!("{text}: a mass, a speed, a sensor or the direction is not as stated"));
+        out.notes().push(MomentumLeftOver { vehicle: own, left_over: gap, common_velocity_m_per_s });
     }
+}
+
+/// The balance of momentum of both vehicles in words.
+fn momentum(vehicle: u32, left_over: f64, common_velocity_m_per_s: f64) -> String {
+    format!(
+        "momentum: the changes of both vehicles leave {:+.1} % of that of vehicle {vehicle} over; the masses and \
+         speeds give a common velocity of {common_velocity_m_per_s:.3} m/s",
+        100.0 * left_over
+    )
 }
 
 /// What a motion of the pulse lacks.
@@ -261,4 +245,83 @@ pub fn without_motion(
     }
     out.nothing_for_later_stages(reason);
     Ok(Outcome::Done)
+}
+
+remarks! {
+    /// Remarks of two vehicles.
+    pub REMARKS;
+
+    /// The other vehicle has no pulse.
+    CR364 OtherWithoutPulse { vehicle: u32 }
+    bears on (About::Motion, Weight::None)
+    decided "The file names no pulse of it, or the filtered record does not hold it."
+    means "There is no relative crush, no common velocity and no balance of momentum. The pulse is not touched."
+    remedy "nothing, or let the filter take the channel: filter.channels"
+    says format!(
+        "vehicle {vehicle} has no pulse in the inputs: no relative crush, common velocity and balance of momentum"
+    );
+
+    /// The other vehicle states no speed.
+    CR365 OtherWithoutSpeed { vehicle: u32 }
+    bears on (About::Motion, Weight::Slight)
+    decided "The file has no speed of it; a vehicle that stands has the speed 0."
+    means "Its velocity is the change of velocity. There is no closing speed and no relative crush."
+    remedy "state its speed in the file of the test"
+    says format!(
+        "vehicle {vehicle} states no speed (0 would be one): its velocity is the change of it, and nothing is said of \
+         both"
+    );
+
+    /// The pulses of both vehicles show no collision along x.
+    CR366 NoCollisionSeen { pulse: String, other: String }
+    bears on (About::Motion, Weight::Slight)
+    decided "Both velocities need one time grid, a change, and an approach at contact."
+    means "There is no closing speed, no relative crush and no balance of momentum. Each pulse holds."
+    remedy "check which channels are the pulses, and their sign; a hit across the axis of a vehicle shows nothing"
+    says format!(
+        "the pulses {pulse} and {other} of both vehicles show no collision along x (another grid, no change of \
+         velocity, or a hit across): nothing is said of both"
+    );
+
+    /// How the other vehicle heads, and the closing speed.
+    CR367 ClosingSpeed { vehicle: u32, other: u32, heading: String, closing_m_per_s: f64 }
+    bears on (About::Motion, Weight::None)
+    decided "The forces on both are opposite: if both lose speed they head towards each other, if one gains what the \
+             other loses they head the same way."
+    means "Velocities of both are along the axis of the vehicle that has the pulse."
+    remedy "nothing"
+    says format!(
+        "vehicle {other} heads {heading}, as the changes of velocity say: closing speed {closing_m_per_s:.3} m/s; the \
+         velocities along the axis of vehicle {vehicle}"
+    );
+
+    /// Models of one vehicle are fitted to a collision of two.
+    CR368 ModelsOfOneVehicle {}
+    bears on (About::Model(String::new()), Weight::None)
+    decided "The test has two vehicles. The models of this chain meet a rigid barrier."
+    means "Their crush and parameters hold for both vehicles together: the other vehicle gave way too."
+    remedy "use delta-v and the pulse; take parameters from a barrier test"
+    says "models of one vehicle at a rigid barrier are fitted to the pulse as if it had met one: their crush and \
+          parameters are not those of the vehicle alone";
+
+    /// The momentum that one vehicle loses is what the other gains.
+    CR369 MomentumKept { vehicle: u32, left_over: f64, common_velocity_m_per_s: f64 }
+    bears on (About::Motion, Weight::None)
+    decided "Mass times change of velocity is added over both vehicles, up to the common velocity. What is left over \
+             is at most 10 % of what the vehicle with the pulse loses."
+    means "Masses, speeds, sensors and direction fit together."
+    remedy "nothing"
+    says momentum(*vehicle, *left_over, *common_velocity_m_per_s);
+
+    /// The momentum that one vehicle loses is not what the other gains.
+    CR370 MomentumLeftOver { vehicle: u32, left_over: f64, common_velocity_m_per_s: f64 }
+    bears on (About::Motion, Weight::Slight)
+    decided "Mass times change of velocity is added over both vehicles, up to the common velocity. What is left over \
+             is more than 10 % of what the vehicle with the pulse loses."
+    means "A mass, a speed, a sensor or the direction is not as stated: relative crush and closing speed may be wrong."
+    remedy "check masses, speeds and the sign of both pulses"
+    says format!(
+        "{}: a mass, a speed, a sensor or the direction is not as stated",
+        momentum(*vehicle, *left_over, *common_velocity_m_per_s)
+    );
 }

@@ -1,5 +1,7 @@
 //! Criteria beside the pulse: load cells of the barrier, crush stiffness, recorders, sites of sensors.
 
+pub mod remarks;
+
 use std::collections::BTreeMap;
 
 use crate::{CellSum, impulse_n_s, sum_of_cells};
@@ -12,12 +14,16 @@ use crumple_metrics::{
     impacts_of_table, maximum_delta_v, total_and_direction, wall_stiffness,
 };
 use crumple_signal::{
-    About, Axis, BARRIER, BodyPart, Channel, ChannelStatus, Motion, Notes, QuantityKind, Sampled, TestDescription,
-    Weight, part_of,
+    Axis, BARRIER, BodyPart, Channel, ChannelStatus, Motion, Note, Notes, QuantityKind, Sampled, TestDescription,
+    part_of,
 };
 use crumple_stage::records::{ChannelFilterV1, DamageV1, ImpactV1, ImpactsV1, MetricV1};
 use crumple_stage::{Inputs, Output, RefuseExt, Refused, option};
 
+use crate::stage::criteria::remarks::{
+    BarrierAsRead, BarrierSum, CellsNotValid, CellsOnAnotherGrid, MomentumApart, MomentumChecked,
+    SeveralImpactsInTable, StiffnessNotComputed, StiffnessNotFromDamage, WallHeightsUnused,
+};
 use crate::stage::occupants_and_roadside::Criteria;
 use crate::stage::options::{BarrierCells, Damage, StageSettings, WallHeight};
 use crate::stage::records::{impact_records, metric_record};
@@ -46,7 +52,7 @@ pub fn barrier(
     let cells = settings.barrier_cells;
     let unused = |out: &mut Output| {
         if !settings.wall_heights.is_empty() {
-            out.notes().warning("wall-heights is not used: there is no force of a wall".to_owned());
+            out.notes().push(WallHeightsUnused {});
         }
         Ok(Vec::new())
     };
@@ -67,21 +73,12 @@ pub fn barrier(
             .map(|channel| channel.id.as_str())
             .collect();
         if !dead.is_empty() {
-            out.notes().info(format!(
-                "barrier force: {} not marked valid by the laboratory, not in the sum: {} (--set \
-                 integrate.barrier_cells=all takes them as read)",
-                count(dead.len()),
-                some(&dead)
-            ));
+            out.notes().push(CellsNotValid { count: dead.len(), cells: some(&dead) });
         }
     }
     if !sum.off_grid.is_empty() {
         let ids: Vec<&str> = sum.off_grid.iter().map(String::as_str).collect();
-        out.notes().concern(
-            About::WallForce,
-            Weight::Marked,
-            format!("barrier force: {} on another time grid, not in the sum: {}", count(ids.len()), some(&ids)),
-        );
+        out.notes().push(CellsOnAnotherGrid { count: ids.len(), cells: some(&ids) });
     }
     let as_read = as_read(input, &waves(input, listed.iter()))?;
     let mut metrics = momentum(&sum, as_read, test.mass_kg, pulse, out);
@@ -145,37 +142,27 @@ fn momentum(
     let peak = sum.force.samples().iter().copied().enumerate().reduce(|a, b| if b.1.abs() > a.1.abs() { b } else { a });
     let (highest, peak_s) = (peak.map(|(_, force)| force), peak.map_or(0.0, |(k, _)| sum.force.time_s(k)));
 
-    let turned = if sum.turned { ", sign turned so that compression is positive" } else { "" };
-    out.notes().info(format!("barrier force: sum of {} load cells along x{turned}", sum.cells));
-    if let Some((all, as_read)) = all.zip(as_read) {
-        out.notes().info(format!(
-            "barrier as read: all {} load cells with data, zero levels not removed, give {:.2} km/h over the mass for \
-             the whole record",
-            all.cells,
-            3.6 * as_read
-        ));
+    out.notes().push(BarrierSum { cells: sum.cells, sign: if sum.turned { -1 } else { 1 } });
+    if let Some((all, delta_v_m_per_s)) = all.zip(as_read) {
+        out.notes().push(BarrierAsRead { cells: all.cells, delta_v_m_per_s });
     }
     let ratio = ratio(mass_kg, of_barrier, of_sensor, id);
     if let Some(((barrier, whole), sensor)) = of_barrier.zip(whole).zip(of_sensor) {
         let gap = ratio.as_ref().map(|ratio| ratio - 1.0);
-        let apart = match &gap {
-            Ok(gap) => format!("{:+.1} % apart", 1e2 * gap),
-            Err(reason) => format!("no ratio: {reason}"),
+        let (channel, up_to) =
+            (id.to_owned(), if separation_s.is_some() { "separation" } else { "the end" }.to_owned());
+        let (barrier_m_per_s, whole_m_per_s, sensor_m_per_s) = (barrier, whole, sensor);
+        let remark: Note = match gap {
+            Ok(gap) if gap.abs() <= MOMENTUM_GAP => {
+                MomentumChecked { up_to, end_s, barrier_m_per_s, whole_m_per_s, channel, sensor_m_per_s, gap }.into()
+            }
+            gap => {
+                let (gap, reason) = (gap.ok(), gap.err().cloned());
+                MomentumApart { up_to, end_s, barrier_m_per_s, whole_m_per_s, channel, sensor_m_per_s, gap, reason }
+                    .into()
+            }
         };
-        let text = format!(
-            "momentum check up to {} at {:.1} ms: impulse of the barrier over the mass {:.2} km/h \
-             ({:.2} km/h over the whole record), channel {id} {:.2} km/h, {apart}",
-            if separation_s.is_some() { "separation" } else { "the end" },
-            1e3 * end_s,
-            3.6 * barrier,
-            3.6 * whole,
-            3.6 * sensor
-        );
-        if gap.is_ok_and(|gap| gap.abs() <= MOMENTUM_GAP) {
-            out.notes().info(text);
-        } else {
-            out.notes().concern(About::WallForce, Weight::Slight, text);
-        }
+        out.notes().push(remark);
     }
     let few = "the force has fewer than two samples from time zero on";
     let over_mass_reason = if mass_kg.is_none() { "the mass is not known" } else { few };
@@ -295,10 +282,6 @@ fn ratio(mass_kg: Option<f64>, barrier: Option<f64>, sensor: Option<f64>, id: &s
     if ratio.is_finite() { Ok(ratio) } else { Err(format!("the velocity of channel {id} does not change")) }
 }
 
-fn count(cells: usize) -> String {
-    format!("{cells} cell{}", if cells == 1 { "" } else { "s" })
-}
-
 fn some(ids: &[&str]) -> String {
     match ids.len().saturating_sub(NAMED) {
         0 => ids.join(", "),
@@ -319,15 +302,13 @@ impl Criteria<'_> {
 
     fn by_mean_crush(&self, damage: Damage, notes: &mut Notes) -> Vec<MetricV1> {
         let (Some(mass_kg), Some(v0)) = (self.test.mass_kg, self.impact_speed_m_per_s) else {
-            notes.warning("crush stiffness: the mass is not known (give it to ingest with --mass)");
+            notes.push(StiffnessNotComputed { no_damage_speed_m_per_s: None });
             return Vec::new();
         };
         let b0 = self.settings.no_damage_speed_m_per_s;
         let stiffness = CrushStiffness::from_barrier_test(mass_kg, damage.width_m, v0, damage.residual_crush_m, b0);
         let Some(stiffness) = stiffness else {
-            notes.warning(format!(
-                "crush stiffness: width, residual crush and impact speed above {b0} m/s must be positive, none computed"
-            ));
+            notes.push(StiffnessNotComputed { no_damage_speed_m_per_s: Some(b0) });
             return Vec::new();
         };
         let remark = format!(
@@ -339,8 +320,9 @@ impl Criteria<'_> {
 
     /// From the profile: `b1` such that the energy of the test comes back, also where the profile is uneven.
     fn by_energy(&self, damage: &DamageV1, notes: &mut Notes) -> Vec<MetricV1> {
+        let b0 = self.settings.no_damage_speed_m_per_s;
         let none = |notes: &mut Notes, reason: &str| {
-            notes.info(format!("crush stiffness (CRASH3): not from the damage that the file states: {reason}"));
+            notes.push(StiffnessNotFromDamage { reason: reason.to_owned(), no_damage_speed_m_per_s: b0 });
             Vec::new()
         };
         if damage.is_of_another_side() {
@@ -353,7 +335,6 @@ impl Criteria<'_> {
             return none(notes, "mass and impact speed are needed");
         };
         let crush_m = damage.crush_m();
-        let b0 = self.settings.no_damage_speed_m_per_s;
         let stiffness = DamageProfile::new(&crush_m)
             .filter(|_| v0 > b0)
             .and_then(|profile| CrushStiffness::from_energy(mass_kg, width_m, v0, profile, b0));
@@ -457,16 +438,8 @@ pub fn recorded_impacts(input: &Inputs, test: &TestDescription, out: &mut Output
     let channel = test.channels.iter().filter(is_along).find(|c| input.wave_if(&c.id).is_some())?;
     let impacts = impacts_of_table(&input.wave_if(&channel.id)?.sampled);
     if impacts.len() > 1 {
-        let each: Vec<String> = (1..).zip(&impacts).map(|(number, impact)| impact.words(number)).collect();
-        out.notes().concern(
-            About::Motion,
-            Weight::Slight,
-            format!(
-                "the table holds {} impacts: {}. The maximum delta-v is the largest change within 300 ms (49 CFR 563)",
-                impacts.len(),
-                each.join("; ")
-            ),
-        );
+        let each = (1..).zip(&impacts).map(|(number, impact)| impact.words(number)).collect();
+        out.notes().push(SeveralImpactsInTable { count: impacts.len(), impacts: each });
     }
     // Rows of 10 ms have no peak.
     let without_peak = |impact| ImpactV1 { peak_acceleration_m_per_s2: None, time_of_peak_s: None, ..impact };

@@ -7,7 +7,7 @@ use crumple_metrics::{CrashEvents, Interval, Metric, Pulse, pulse_metrics};
 use crumple_signal::{
     About, Acceleration, Channel, Drift, EndCondition, IntegrateError, IntegrationSettings, IntegrationStart, KnownEnd,
     Motion, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2, Sampled, Signal, TestDescription, Velocity, Weight,
-    integrate_reporting, integrate_without_drift,
+    integrate_reporting, integrate_without_drift, remarks,
 };
 use crumple_stage::records::{ChannelFilterV1, QualityV1};
 use crumple_stage::{Inputs, Output, RefuseExt, Refused, flag, option};
@@ -48,19 +48,16 @@ pub fn impact_speed(
     if let (Some(_), Some(of_test)) = (settings.impact_speed_m_per_s, test.impact_speed_m_per_s)
         && of_test != speed
     {
-        notes.info(format!("impact speed {speed} m/s as asked for, the test description says {of_test} m/s"));
+        notes.push(SpeedAsAsked { impact_speed_m_per_s: speed, of_test_m_per_s: of_test });
     }
     if let Some(of_channel) = channel.initial_velocity_m_per_s
         && (of_channel.abs() - speed).abs() > SPEED_GAP_M_PER_S
     {
-        notes.concern(
-            About::ImpactSpeed,
-            Weight::Marked,
-            format!(
-                "channel {} states an initial velocity of {of_channel:.3} m/s, the impact speed is {speed:.3} m/s",
-                channel.id
-            ),
-        );
+        notes.push(SpeedOfChannelDiffers {
+            channel: channel.id.clone(),
+            of_channel_m_per_s: of_channel,
+            impact_speed_m_per_s: speed,
+        });
     }
     Ok(speed)
 }
@@ -199,10 +196,7 @@ impl ChannelIntegration<'_> {
         let stated = uncertainty?.clone();
         let uncertainty = &Uncertainty { replicates: stated.replicates.min(self.most_replicates), ..stated };
         if acceleration.len() > MOST_SAMPLES {
-            out.notes().warning(format!(
-                "no intervals: {} samples, the integration is repeated for records of up to {MOST_SAMPLES}",
-                acceleration.len()
-            ));
+            out.notes().push(TooLongForIntervals { samples: acceleration.len(), most_samples: MOST_SAMPLES });
             return None;
         }
         let mut progress = out.progress("repeating with perturbed inputs", uncertainty.replicates as u64);
@@ -271,30 +265,131 @@ fn smoothed(input: &Inputs, id: &str) -> anyhow::Result<bool> {
 }
 
 fn note_drift(id: &str, drift: &Drift, stated: KnownEnd, notes: &mut Notes) {
-    let (at_ms, gap) = (1e3 * drift.time_s, drift.gap);
-    let met = match stated {
-        KnownEnd::Velocity(velocity) => {
+    let (channel, shape, time_s, gap) = (id.to_owned(), drift.shape.name().to_owned(), drift.time_s, drift.gap);
+    let drift_m_per_s2 = drift.acceleration_m_per_s2;
+    let (velocity_m_per_s, displacement_m) = match stated {
+        KnownEnd::Velocity(velocity) => (Some(velocity), None),
+        KnownEnd::Displacement(way) => (None, Some(way)),
+    };
+    let velocity_gap_m_per_s = velocity_m_per_s.map(|_| gap);
+    let displacement_gap_m = displacement_m.map(|_| gap);
+    if drift_m_per_s2.abs() <= LARGE_DRIFT_M_PER_S2 {
+        notes.push(DriftTakenOut {
+            channel,
+            drift_m_per_s2,
+            shape,
+            time_s,
+            velocity_m_per_s,
+            velocity_gap_m_per_s,
+            displacement_m,
+            displacement_gap_m,
+        });
+    } else {
+        notes.push(LargeDrift {
+            channel,
+            drift_m_per_s2,
+            shape,
+            time_s,
+            velocity_m_per_s,
+            velocity_gap_m_per_s,
+            displacement_m,
+            displacement_gap_m,
+        });
+    }
+}
+
+/// A drift in words; `known` is the end that is stated, and by how much the motion with the drift differs from it.
+fn drift_in_words(channel: &str, drift_m_per_s2: f64, shape: &str, known: &str) -> String {
+    format!(
+        "channel {channel}: drift of {drift_m_per_s2:+.4} m/s^2 ({:+.5} g, {shape}) taken out so that {known}",
+        drift_m_per_s2 / STANDARD_GRAVITY_M_PER_S2
+    )
+}
+
+/// What is known of the end: a velocity, m/s, or a displacement, m, each with the gap to it.
+fn known_end(time_s: f64, velocity: Option<(f64, f64)>, displacement: Option<(f64, f64)>) -> String {
+    let at_ms = 1e3 * time_s;
+    match (velocity, displacement) {
+        (Some((velocity, gap)), _) => {
             format!("the velocity at {at_ms:.1} ms is {velocity:.3} m/s as stated; without it {gap:+.3} m/s more")
         }
-        KnownEnd::Displacement(way) => format!(
-            "the displacement at {at_ms:.1} ms is {:.1} mm as stated; without it {:+.1} mm more",
-            1e3 * way,
-            1e3 * gap
-        ),
-    };
-    let text = format!(
-        "channel {id}: drift of {:+.4} m/s^2 ({:+.5} g, {}) taken out so that {met}",
-        drift.acceleration_m_per_s2,
-        drift.acceleration_m_per_s2 / STANDARD_GRAVITY_M_PER_S2,
-        drift.shape.name()
-    );
-    if drift.acceleration_m_per_s2.abs() <= LARGE_DRIFT_M_PER_S2 {
-        notes.info(text);
-    } else {
-        notes.concern(
-            About::ImpactSpeed,
-            Weight::Decisive,
-            format!("{text}: more than a sensor drifts, check impact speed, time zero and gain"),
-        );
+        (None, of_way) => {
+            let (way, gap) = of_way.unwrap_or_default();
+            format!(
+                "the displacement at {at_ms:.1} ms is {:.1} mm as stated; without it {:+.1} mm more",
+                1e3 * way,
+                1e3 * gap
+            )
+        }
     }
+}
+
+remarks! {
+    /// Remarks of the integration of a channel.
+    pub REMARKS;
+
+    /// The impact speed is another one than the test states.
+    CR347 SpeedAsAsked { impact_speed_m_per_s: f64, of_test_m_per_s: f64 }
+    bears on (About::ImpactSpeed, Weight::None)
+    decided "integrate.impact_speed is given, and the test description has another speed."
+    means "Velocity, crush, energy and every later stage use the speed that was asked for."
+    remedy "nothing; leave integrate.impact_speed out to use the speed of the test"
+    says format!(
+        "impact speed {impact_speed_m_per_s} m/s as asked for, the test description says {of_test_m_per_s} m/s"
+    );
+
+    /// The channel states another initial velocity than the impact speed.
+    CR348 SpeedOfChannelDiffers { channel: String, of_channel_m_per_s: f64, impact_speed_m_per_s: f64 }
+    bears on (About::ImpactSpeed, Weight::Marked)
+    decided "Both magnitudes are compared; more than 0.05 m/s apart is named. The speed of the channel is never used."
+    means "One of the two is wrong: crush and energy change with the impact speed."
+    remedy "look up which speed was measured, and state it: --impact-speed at ingest"
+    says format!(
+        "channel {channel} states an initial velocity of {of_channel_m_per_s:.3} m/s, the impact speed is \
+         {impact_speed_m_per_s:.3} m/s"
+    );
+
+    /// The record is too long for intervals.
+    CR349 TooLongForIntervals { samples: usize, most_samples: usize }
+    bears on (About::Motion, Weight::Slight)
+    decided "The integration is repeated for records of up to 1048576 samples: 105 s at 10 kHz, far longer than a \
+             crash."
+    means "Events and metrics have no intervals. The values are the same."
+    remedy "cut the record to the crash, or bring it to a lower rate: filter.resample"
+    says format!(
+        "no intervals: {samples} samples, the integration is repeated for records of up to {most_samples}"
+    );
+
+    /// A drift was taken out, so that the motion ends as it is known to.
+    CR350 DriftTakenOut {
+        channel: String, drift_m_per_s2: f64, shape: String, time_s: f64, velocity_m_per_s: Option<f64>,
+        velocity_gap_m_per_s: Option<f64>, displacement_m: Option<f64>, displacement_gap_m: Option<f64>
+    }
+    bears on (About::Motion, Weight::None)
+    decided "integrate.end_velocity or integrate.end_displacement states the end. A constant zero level, or one that \
+             grows, is what meets it; up to 0.5 g it counts as drift of a sensor."
+    means "Velocity and crush are those without the drift. /metrics has it as drift_correction."
+    remedy "nothing"
+    says drift_in_words(
+        channel,
+        *drift_m_per_s2,
+        shape,
+        &known_end(*time_s, velocity_m_per_s.zip(*velocity_gap_m_per_s), displacement_m.zip(*displacement_gap_m)),
+    );
+
+    /// A drift was taken out that is larger than sensors have.
+    CR351 LargeDrift {
+        channel: String, drift_m_per_s2: f64, shape: String, time_s: f64, velocity_m_per_s: Option<f64>,
+        velocity_gap_m_per_s: Option<f64>, displacement_m: Option<f64>, displacement_gap_m: Option<f64>
+    }
+    bears on (About::ImpactSpeed, Weight::Decisive)
+    decided "The drift that meets the stated end is more than 0.5 g."
+    means "Impact speed, time zero, gain or the stated end is wrong, and the correction hides it: do not use the crush."
+    remedy "check impact speed, time zero, gain and the stated end"
+    says {
+        let known =
+            known_end(*time_s, velocity_m_per_s.zip(*velocity_gap_m_per_s), displacement_m.zip(*displacement_gap_m));
+        drift_in_words(channel, *drift_m_per_s2, shape, &known)
+            + ": more than a sensor drifts, check impact speed, time zero and gain"
+    };
 }

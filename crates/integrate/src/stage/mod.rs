@@ -13,10 +13,11 @@ mod without_impact;
 use std::path::PathBuf;
 
 use crumple_metrics::{Measured, first_event};
-use crumple_signal::{Channel, TestDescription, is_mass_of_a_vehicle};
+use crumple_signal::{About, Channel, Kind, Overlap, QuantityKind, TestDescription, Weight, is_mass_of_a_vehicle, remarks};
 use crumple_stage::records::MetricsV2;
 use crumple_stage::{Inputs, LeftOut, Loaded, Outcome, Output, RefuseExt, Refused, Stage, flag, option};
 
+use crate::events;
 use crate::stage::channels::{ChannelAgreement, channels_named, integrate_others};
 use crate::stage::collision::{missing_for_motion, of_one_vehicle, other_vehicle, vehicles, without_motion};
 use crate::stage::criteria::recorded_changes;
@@ -38,6 +39,18 @@ impl Stage for Integrate {
     const ABOUT: &'static str = "Integrates the crash pulse to velocity and displacement, finds dynamic crush and \
         rebound, and computes crash metrics.";
     const LEFT_OUT: &'static [LeftOut] = options::LEFT_OUT;
+    const REMARKS: &'static [&'static [&'static Kind]] = &[
+        events::REMARKS,
+        pulse_shape::REMARKS,
+        options::REMARKS,
+        criteria::remarks::REMARKS,
+        channels::REMARKS,
+        integration::REMARKS,
+        occupants_and_roadside::remarks::REMARKS,
+        records::REMARKS,
+        REMARKS,
+        collision::REMARKS,
+    ];
 
     type Options = Options;
     type Settings = StageSettings;
@@ -88,8 +101,11 @@ impl Stage for Integrate {
         // A partner that gives way leaves speed: the collision is assessed below.
         let is_as_read = settings.impact_speed_m_per_s.is_none() && settings.channel.is_none();
         let is_a_vehicle = test.mass_kg.is_none_or(is_mass_of_a_vehicle);
+        let is_recorder = test.channels.iter().any(|channel| channel.quantity == QuantityKind::VelocityChange);
         let speed_rule = match vehicles.is_empty() && is_a_vehicle {
             false => SpeedRule::None,
+            // What a recorder's car met is not known to have stopped it.
+            true if test.overlap == Some(Overlap::Glancing) || is_recorder => SpeedRule::MayBeLeft,
             true if test.exchange_asked && is_as_read => SpeedRule::AskedBefore,
             true => SpeedRule::New,
         };
@@ -97,7 +113,7 @@ impl Stage for Integrate {
         note_impacts(&pulse.events.impacts, out);
         warn_unless_of_the_vehicle(&channel, out.notes());
         if let Some(uncertainty) = &pulse.uncertainty {
-            out.notes().info(options::uncertainty_note(uncertainty, Some(pulse.motion.start)));
+            out.notes().push(options::uncertainty_note(uncertainty, Some(pulse.motion.start)));
         }
         let mut metrics = metric_records(&channel.id, &pulse);
         metrics.extend(pulse_shape(&channel.id, &pulse, out));
@@ -139,7 +155,7 @@ impl Stage for Integrate {
         metrics.extend(recorded_changes(input, &test, out));
         out.put("/metrics", &MetricsV2 { metrics })?;
         if test.mass_kg.is_none() {
-            out.notes().info("the mass is not known: no force, stiffness and energy (give it to ingest with --mass)");
+            out.notes().push(MassUnknown {});
         }
         task.write(&channel.id, pulse, out)?;
         Ok(Outcome::Done)
@@ -169,4 +185,17 @@ fn refuse_left_out(pulse: &Channel, input: &Inputs) -> anyhow::Result<()> {
             pulse.id
         ))
         .into())
+}
+
+remarks! {
+    /// Remarks of the stage.
+    REMARKS;
+
+    /// The mass of the vehicle is not known.
+    CR363 MassUnknown {}
+    bears on (About::Mass, Weight::None)
+    decided "Neither the file nor --mass at ingest states the mass."
+    means "There is no force, no stiffness and no energy. Velocity, crush and restitution need no mass."
+    remedy "state it: --mass 1200kg at ingest"
+    says "the mass is not known: no force, stiffness and energy (give it to ingest with --mass)";
 }

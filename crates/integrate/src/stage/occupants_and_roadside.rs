@@ -1,5 +1,7 @@
 //! Criteria of occupants and of roadside hardware, from the channels a test has for them.
 
+pub mod remarks;
+
 use std::collections::BTreeSet;
 
 use crumple_metrics::{
@@ -7,13 +9,17 @@ use crumple_metrics::{
     clip_contiguous, clip_cumulative, definitions, hic, hic_d, nij, oiv_ora, resultant, ride_down, thiv_phd,
 };
 use crumple_signal::{
-    About, Acceleration, Axis, BodyPart, Channel, ChannelStatus, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2,
-    Signal, TestDescription, Weight, criterion_of, part_of,
+    Acceleration, Axis, BodyPart, Channel, ChannelStatus, Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2, Signal,
+    TestDescription, criterion_of, part_of,
 };
 use crumple_stage::records::MetricV1;
 use crumple_stage::{Inputs, Output, RefuseExt, option};
 
 use crate::stage::criteria::{Site, place, sites};
+use crate::stage::occupants_and_roadside::remarks::{
+    AskedAndFilteredOut, AxesOnOtherGrids, CriteriaAreBounds, FilteredOut, NotMeasured, OCCUPANTS, OtherClass,
+    ROADSIDE, RideDownMissing, RoadsideAssumes, RoadsideOnOtherGrids, THIV, assumption, other_class,
+};
 use crate::stage::options::{MetricGroup, StageSettings};
 use crate::stage::records::metric_record;
 
@@ -57,14 +63,7 @@ impl Criteria<'_> {
             }
         }
         if !bounds.is_empty() {
-            notes.concern(
-                About::Occupants,
-                Weight::Marked,
-                format!(
-                    "criteria are lower bounds, because only one or two axes are in this record: {}",
-                    bounds.join("; ")
-                ),
-            );
+            notes.push(CriteriaAreBounds { places: bounds });
         }
         if self.takes(MetricGroup::Head) {
             records.extend(self.rotation_and_neck());
@@ -82,37 +81,25 @@ impl Criteria<'_> {
     /// Names the heads or chests that were measured and are not in the inputs. A group that was asked for and has no
     /// sensor at all is a warning.
     fn note_what_is_left_out(&self, group: MetricGroup, parts: &[BodyPart], has_none: bool, notes: &mut Notes) {
-        let group_name = name(group);
+        let (group_name, is_asked) = (name(group), self.asked(group));
         let left_out = |channel: &&Channel| part_of(channel).is_some_and(|part| parts.contains(&part));
         if let Some((ids, _)) = self.not_in_the_inputs(left_out) {
-            let (pulse, names) = (&self.pulse.id, ids.join(","));
-            let word = if ids.len() == 1 { "channel" } else { "channels" };
-            let text = format!(
-                "{group_name}: {word} {} measured it, but the filter left it out: without channels it \
-                 takes all, or --set filter.channels='{pulse},{names}'",
-                ids.join(", ")
-            );
-            return if self.asked(group) { notes.warning(text) } else { notes.info(text) };
+            let (group, pulse) = (group_name.to_owned(), self.pulse.id.clone());
+            let channels = ids.into_iter().map(str::to_owned).collect();
+            return if is_asked {
+                notes.push(AskedAndFilteredOut { group, channels, pulse })
+            } else {
+                notes.push(FilteredOut { group, channels, pulse: Some(pulse) })
+            };
         }
-        if !self.asked(group) || !has_none {
+        if !is_asked || !has_none {
             return;
         }
         let unplaced = |channel: &&Channel| {
             channel.quantity == QuantityKind::Acceleration && channel.location.is_empty() && part_of(channel).is_none()
         };
-        let unplaced: Vec<&str> =
-            self.test.channels.iter().filter(unplaced).map(|channel| channel.id.as_str()).collect();
-        notes.warning(match unplaced.as_slice() {
-            [] => format!("{group_name}: no accelerometer of it has data in the inputs"),
-            ids => format!(
-                "{group_name}: no accelerometer of it has data in the inputs, and nothing says where channel{} {} \
-                 sit{}: the name of a column that begins with {group_name}, such as {group_name}_x_g, or a code of ISO \
-                 13499 does",
-                if ids.len() == 1 { "" } else { "s" },
-                ids.join(", "),
-                if ids.len() == 1 { "s" } else { "" },
-            ),
-        });
+        let unplaced = self.test.channels.iter().filter(unplaced).map(|channel| channel.id.clone()).collect();
+        notes.push(NotMeasured { group: group_name.to_owned(), unplaced });
     }
 
     fn asked(&self, group: MetricGroup) -> bool {
@@ -162,11 +149,7 @@ impl Criteria<'_> {
     ) -> anyhow::Result<Vec<MetricV1>> {
         let signals: Vec<_> = channels.iter().map(|channel| self.acceleration(channel)).collect::<Result<_, _>>()?;
         let Ok(resultant) = resultant(&signals.iter().collect::<Vec<_>>()) else {
-            notes.concern(
-                About::Occupants,
-                Weight::Slight,
-                format!("{place}: its axes are on different time grids, no criteria"),
-            );
+            notes.push(AxesOnOtherGrids { place });
             return Ok(Vec::new());
         };
         let partial = channels.len() < 3 && channels.iter().all(|channel| channel.axis != Some(Axis::Resultant));
@@ -176,7 +159,7 @@ impl Criteria<'_> {
             bounds.push(format!("{place} ({axes})"));
             format!("lower bound: resultant of {axes} alone")
         });
-        let remarks = Vec::from_iter(class_remark(channels, part.cfc(), notes));
+        let remarks = Vec::from_iter(class_remark(channels, OCCUPANTS, part.cfc(), notes));
         let mut metrics = match part {
             BodyPart::Head => vec![hic(&resultant, HIC15_WINDOW_S), hic(&resultant, HIC36_WINDOW_S)],
             BodyPart::Headform => vec![hic(&resultant, HIC36_WINDOW_S), hic_d(&resultant)],
@@ -254,7 +237,7 @@ impl Criteria<'_> {
         let Some(v0) = self.impact_speed_m_per_s.filter(|v0| *v0 > 0.0) else { return Ok(records) };
         if !self.pulse.may_be_on_vehicle() || part_of(self.pulse).is_some() {
             if self.asked(MetricGroup::RideDown) {
-                notes.warning("ride-down: the pulse is no accelerometer of the vehicle");
+                notes.push(RideDownMissing { pulse: Some(self.pulse.id.clone()), chest: None, reason: None });
             }
             return Ok(records);
         }
@@ -268,11 +251,14 @@ impl Criteria<'_> {
                         records.push(self.record(&[chest], metric, &remarks));
                     }
                 }
-                Err(error) => notes.warning(format!("ride-down of channel {}: {error}", chest.id)),
+                Err(error) => {
+                    let (chest, reason) = (Some(chest.id.clone()), Some(error.to_string()));
+                    notes.push(RideDownMissing { pulse: None, chest, reason });
+                }
             }
         }
         if records.is_empty() && self.asked(MetricGroup::RideDown) {
-            notes.warning("ride-down: no chest acceleration along x has data in the inputs");
+            notes.push(RideDownMissing { pulse: None, chest: None, reason: None });
         }
         Ok(records)
     }
@@ -287,31 +273,32 @@ impl Criteria<'_> {
         let on_axis = |axis: Axis| {
             self.vehicle(QuantityKind::Acceleration, axis).into_iter().find(|channel| at_centre_of_gravity(channel))
         };
-        let mut remarks = Vec::new();
+        let mut assumed = Vec::new();
         let (x, y) = match (on_axis(Axis::X), on_axis(Axis::Y)) {
             (Some(x), Some(y)) => (x, Some(y)),
             _ if !asked => return Ok(Vec::new()),
             (x, y) => {
                 if x.is_none() {
-                    remarks.push(format!("x of the pulse {}, not known to be at the centre of gravity", self.pulse.id));
+                    assumed.push(("x", Some(self.pulse.id.clone())));
                 }
                 if y.is_none() {
-                    remarks.push("y is not measured at the centre of gravity and taken as 0".to_owned());
+                    assumed.push(("y", None));
                 }
                 (x.unwrap_or(self.pulse), y)
             }
         };
         let z = on_axis(Axis::Z);
         if z.is_none() {
-            remarks.push("z is not measured at the centre of gravity and taken as 0".to_owned());
+            assumed.push(("z", None));
         }
-        for remark in &remarks {
-            notes.info(format!("roadside metrics: {remark}"));
+        let mut remarks: Vec<String> = assumed.iter().map(|(axis, pulse)| assumption(axis, pulse.as_deref())).collect();
+        for (axis, pulse) in assumed {
+            notes.push(RoadsideAssumes { axis: axis.to_owned(), pulse });
         }
         let yaw = self.vehicle(QuantityKind::AngularVelocity, Axis::Z).into_iter().next();
         let mut planar = vec![x];
         planar.extend(y);
-        remarks.extend(class_remark(&planar, ROADSIDE_CFC, notes));
+        remarks.extend(class_remark(&planar, ROADSIDE, ROADSIDE_CFC, notes));
 
         let ax = self.acceleration(x)?;
         let zeros = || ax.with_samples(vec![0.0; ax.len()]).refuse_with_hint(without_metrics());
@@ -326,7 +313,7 @@ impl Criteria<'_> {
         let severity = [AsiMethod::ButterworthPerPass].map(|method| asi([&ax, &ay, &az], limits, method));
         let flight = oiv_ora(&x_flight, &y_flight, space);
         let ([Ok(severity)], Ok(flight)) = (severity, flight) else {
-            notes.warning("roadside metrics: x, y and z are on different time grids, none computed");
+            notes.push(RoadsideOnOtherGrids { reason: None });
             return Ok(Vec::new());
         };
         metrics.push((&spatial, severity));
@@ -345,16 +332,16 @@ impl Criteria<'_> {
                 let rate = rate.slice(rate.index_at_or_after(0.0), rate.len());
                 match thiv_phd(&x_flight, &y_flight, &rate, space) {
                     Ok((thiv, phd)) => metrics.extend([(&with_yaw[..], thiv), (&with_yaw[..], phd)]),
-                    Err(error) => notes.warning(format!("thiv: {error}")),
+                    Err(error) => notes.push(RoadsideOnOtherGrids { reason: Some(error.to_string()) }),
                 }
             }
             None => {
                 let yaw_rate = |channel: &&Channel| of_vehicle(channel, QuantityKind::AngularVelocity, Axis::Z);
                 let reason = match self.not_in_the_inputs(yaw_rate) {
-                    Some((_, ids)) => {
-                        let reason = format!("{ids} measured the yaw rate, but the filter left it out");
-                        notes.info(format!("thiv: {reason}: --set filter.pass hands it on"));
-                        reason
+                    Some((ids, words)) => {
+                        let channels = ids.into_iter().map(str::to_owned).collect();
+                        notes.push(FilteredOut { group: THIV.to_owned(), channels, pulse: None });
+                        format!("{words} measured the yaw rate, but the filter left it out")
                     }
                     None => "no yaw rate of the vehicle is measured".to_owned(),
                 };
@@ -452,18 +439,17 @@ fn ids(channels: &[&Channel]) -> String {
 }
 
 /// What is to be said where the class of the input is not the one the definition asks for; a warning too.
-fn class_remark(channels: &[&Channel], asked: u16, notes: &mut Notes) -> Option<String> {
+fn class_remark(channels: &[&Channel], criteria: &str, asked: u16, notes: &mut Notes) -> Option<String> {
     let other = channels.iter().find(|channel| channel.cfc != Some(asked))?;
-    let class = other.cfc.map_or_else(|| "no class".to_owned(), |cfc| format!("CFC {cfc}"));
-    let remark = format!("channel {} is of {class}, the definition asks for CFC {asked}", other.id);
-    let way_out = match other.cfc {
-        Some(cfc) if cfc < asked => {
-            "what the lower class took away cannot be had back: the criterion reads low".to_owned()
-        }
-        _ => format!("--set filter.cfc={asked} --set filter.channels='{}'", ids(channels)),
-    };
-    notes.warning(format!("{}: {remark} ({way_out})", title(other)));
-    Some(remark)
+    notes.push(OtherClass {
+        criteria: criteria.to_owned(),
+        place: title(other),
+        channel: other.id.clone(),
+        class: other.cfc,
+        asked_class: asked,
+        channels: ids(channels),
+    });
+    Some(other_class(&other.id, other.cfc, asked))
 }
 
 /// Whether a sensor of the vehicle is said to sit at the centre of gravity, by code or in words.

@@ -8,8 +8,8 @@ use clap::builder::PossibleValuesParser;
 use crumple_metrics::{NO_DAMAGE_SPEED_M_PER_S, SLED_PULSES, SledPulse};
 use crumple_signal::value::{Length, Level, Share, Speed, Time};
 use crumple_signal::{
-    Distribution, DriftShape, EndCondition, IntegrationRule, IntegrationStart, KnownEnd, STANDARD_GRAVITY_M_PER_S2,
-    Spread, Uncertain, UsedStart,
+    About, Distribution, DriftShape, EndCondition, IntegrationRule, IntegrationStart, KnownEnd,
+    STANDARD_GRAVITY_M_PER_S2, Spread, Uncertain, UsedStart, Weight, remarks,
 };
 use crumple_stage::{LeftOut, Usage, flag};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
@@ -385,48 +385,90 @@ pub fn uncertainty(options: &Options) -> Result<Option<Uncertainty>, Usage> {
     Ok((replicates > 0 && stated.is_any()).then_some(stated))
 }
 
-/// What the intervals rest on, in words. `start`: of an impact, whose crush contact moves; `None`: of a change of
-/// velocity.
-pub fn uncertainty_note(uncertainty: &Uncertainty, start: Option<UsedStart>) -> String {
-    let Uncertainty { impact_speed_m_per_s, zero_level_m_per_s2, gain, contact_s, replicates, seed, .. } = uncertainty;
-    let inputs = [
-        ("impact speed", impact_speed_m_per_s, 3.6, "km/h"),
-        ("zero level", zero_level_m_per_s2, 1.0 / STANDARD_GRAVITY_M_PER_S2, "g"),
-        ("gain", gain, 1e2, "%"),
-        ("contact", contact_s, 1e3, "ms"),
-    ];
-    let earlier_by_s = Some(uncertainty.earlier_by_s).filter(|lead_s| *lead_s > 0.0);
-    let seen = [
-        earlier_by_s.map(|lead_s| format!("contact up to {:.0} ms earlier for a soft front", 1e3 * lead_s)),
-        uncertainty
-            .lost_s
-            .map(|[from_s, to_s]| format!("samples that may be lost from {:.1} to {:.1} ms", 1e3 * from_s, 1e3 * to_s)),
-        uncertainty.zero_shift.map(|shift| {
-            let level = shift.level_m_per_s2 / STANDARD_GRAVITY_M_PER_S2;
-            format!("a zero level that may have moved by {level:+.2} g up to the peak, where the record ends with it")
-        }),
-    ];
-    let stated = inputs.into_iter().filter_map(|(name, spread, factor, unit)| {
-        let Spread { size, distribution } = (*spread)?;
-        // Rounded to what was typed: 0.1 km/h is not 0.09999999999999999.
-        let size = (1e9 * size * factor).round() / 1e9;
-        Some(match distribution {
-            Distribution::Normal => format!("{name} {size} {unit} (standard deviation, normal)"),
-            Distribution::Uniform => format!("{name} +-{size} {unit} (uniform)"),
-        })
-    });
-    let moved = match (contact_s, start) {
-        (None, _) | (_, None) => "",
-        (Some(_), Some(UsedStart::RecordStart)) => {
-            ". An error of contact moves the crush by v0 times the error and all times by the error. Delta-v and \
-             rebound speed stay"
-        }
-        (Some(_), Some(UsedStart::TimeZero)) => {
-            ". An error of contact moves the crush by v0 times the error, and the velocity by the pulse in between"
-        }
+/// What the intervals rest on. `start`: of an impact, whose crush contact moves; `None`: of a change of velocity.
+pub fn uncertainty_note(uncertainty: &Uncertainty, start: Option<UsedStart>) -> IntervalsRestOn {
+    let Uncertainty { impact_speed_m_per_s, zero_level_m_per_s2, gain, contact_s, replicates, seed, .. } = *uncertainty;
+    let named = [(SPEED, impact_speed_m_per_s), (ZERO_LEVEL, zero_level_m_per_s2), (GAIN, gain), (CONTACT, contact_s)];
+    let is_uniform = |spread: Option<Spread>| spread.is_some_and(|s| s.distribution == Distribution::Uniform);
+    let uniform = named.into_iter().filter(|(_, spread)| is_uniform(*spread)).map(|(name, _)| name.to_owned());
+    let size = |spread: Option<Spread>| spread.map(|spread| spread.size);
+    IntervalsRestOn {
+        replicates,
+        seed,
+        impact_speed_m_per_s: size(impact_speed_m_per_s),
+        zero_level_m_per_s2: size(zero_level_m_per_s2),
+        gain: size(gain),
+        contact_s: size(contact_s),
+        uniform: uniform.collect(),
+        contact_earlier_by_s: Some(uncertainty.earlier_by_s).filter(|lead_s| *lead_s > 0.0),
+        lost_from_s: uncertainty.lost_s.map(|[from_s, _]| from_s),
+        lost_to_s: uncertainty.lost_s.map(|[_, to_s]| to_s),
+        zero_shift_m_per_s2: uncertainty.zero_shift.map(|shift| shift.level_m_per_s2),
+        start: start.map(|start| start.name().to_owned()),
+    }
+}
+
+const SPEED: &str = "impact speed";
+const ZERO_LEVEL: &str = "zero level";
+const GAIN: &str = "gain";
+const CONTACT: &str = "contact";
+
+remarks! {
+    /// Remarks of intervals.
+    pub REMARKS;
+
+    /// What the intervals of events and metrics are made from.
+    CR328 IntervalsRestOn {
+        replicates: usize, seed: u64, impact_speed_m_per_s: Option<f64>, zero_level_m_per_s2: Option<f64>,
+        gain: Option<f64>, contact_s: Option<f64>, uniform: Vec<String>, contact_earlier_by_s: Option<f64>,
+        lost_from_s: Option<f64>, lost_to_s: Option<f64>, zero_shift_m_per_s2: Option<f64>, start: Option<String>
+    }
+    bears on (About::Motion, Weight::None)
+    decided "The integration is repeated with inputs that are off by their uncertainty; the interval is from the 5 % \
+             to the 95 % quantile. A normal error is stated by its standard deviation, a uniform one by its half width."
+    means "An input that is not named counts as exact. The mass, the mounting of the sensor and what another sensor \
+           would have read are in no interval."
+    remedy "state what is better known: --speed-uncertainty, --zero-level-uncertainty, --gain-uncertainty"
+    says {
+        let in_words = |name: &str, size: &Option<f64>, factor: f64, unit: &str| {
+            // Rounded to what was typed: 0.1 km/h is not 0.09999999999999999.
+            let size = (1e9 * (*size)? * factor).round() / 1e9;
+            Some(if uniform.iter().any(|other| other == name) {
+                format!("{name} +-{size} {unit} (uniform)")
+            } else {
+                format!("{name} {size} {unit} (standard deviation, normal)")
+            })
+        };
+        let ms = |s: f64| 1e3 * s;
+        let inputs = [
+            in_words(SPEED, impact_speed_m_per_s, 3.6, "km/h"),
+            in_words(ZERO_LEVEL, zero_level_m_per_s2, 1.0 / STANDARD_GRAVITY_M_PER_S2, "g"),
+            in_words(GAIN, gain, 1e2, "%"),
+            in_words(CONTACT, contact_s, 1e3, "ms"),
+            contact_earlier_by_s.map(|lead_s| format!("contact up to {:.0} ms earlier for a soft front", ms(lead_s))),
+            lost_from_s.zip(*lost_to_s).map(|(from_s, to_s)| {
+                format!("samples that may be lost from {:.1} to {:.1} ms", ms(from_s), ms(to_s))
+            }),
+            zero_shift_m_per_s2.map(|level| {
+                let level = level / STANDARD_GRAVITY_M_PER_S2;
+                format!(
+                    "a zero level that may have moved by {level:+.2} g up to the peak, where the record ends with it"
+                )
+            }),
+        ];
+        let inputs: Vec<String> = inputs.into_iter().flatten().collect();
+        let moved = match start.as_deref().filter(|_| contact_s.is_some()) {
+            None => "",
+            Some(start) if start == UsedStart::RecordStart.name() => {
+                ". An error of contact moves the crush by v0 times the error and all times by the error. Delta-v and \
+                 rebound speed stay"
+            }
+            Some(_) => {
+                ". An error of contact moves the crush by v0 times the error, and the velocity by the pulse in between"
+            }
+        };
+        format!("intervals are 5-95 % of {replicates} replicates (seed {seed}) with {}{moved}", inputs.join(", "))
     };
-    let stated: Vec<String> = stated.chain(seen.into_iter().flatten()).collect();
-    format!("intervals are 5-95 % of {replicates} replicates (seed {seed}) with {}{moved}", stated.join(", "))
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use crate::{EVENT_NAMES, WRONG_SIGN, event_values, findings, question_speed, wrong_sign};
 use crumple_metrics::{EventEnd, IntervalBy, Metric, PulseImpact, centroid_time_from_crush, definitions, first_event};
-use crumple_signal::{About, Channel, Note, Notes, Severity, Weight, part_of};
+use crumple_signal::{About, Channel, Note, Notes, Severity, Value, Weight, part_of, remarks};
 use crumple_stage::records::{EventIntervalV1, EventsV1, ImpactV1, IntervalSourceV1, MetricV1, MissingIntervalV1};
 use crumple_stage::{Output, option};
 
@@ -80,16 +80,7 @@ pub fn note_impacts(impacts: &[PulseImpact], out: &mut Output) {
     let (count, number) = (impacts.len(), event + 1);
     out.summary(format!("{count} impacts: {}", each.join("; ")));
     let another = if number == 1 { 2 } else { 1 };
-    out.notes().concern(
-        About::Motion,
-        Weight::Slight,
-        format!(
-            "the pulse holds {count} impacts: {}. All numbers and models are of impact {number}; {} takes impact \
-             {another}",
-            each.join("; "),
-            option("ingest", "impact", &another.to_string())
-        ),
-    );
+    out.notes().push(SeveralImpacts { count, impacts: each, number, another });
 }
 
 /// The metrics of a channel, and the drift taken out of it.
@@ -124,15 +115,20 @@ pub fn note_findings(pulse: &Integrated, impact_speed_m_per_s: f64, speed_rule: 
         notes.extend(before);
         return;
     }
-    let question =
-        question_speed(&pulse.motion, &pulse.events, impact_speed_m_per_s).filter(|_| speed_rule != SpeedRule::None);
+    let is_left = pulse.events.restitution(impact_speed_m_per_s).is_none();
+    let is_open = match speed_rule {
+        SpeedRule::None => false,
+        SpeedRule::MayBeLeft => !is_left,
+        SpeedRule::AskedBefore | SpeedRule::New => true,
+    };
+    let question = question_speed(&pulse.events, impact_speed_m_per_s).filter(|_| is_open);
     let is_asked = question.is_some() && speed_rule == SpeedRule::AskedBefore;
     // What follows from the exchange is no finding of its own.
     for note in of_pulse.iter().filter(|note| !(is_asked && is_decisive(note))) {
         notes.push(note.clone());
     }
     if let Some(question) = question.filter(|_| !is_asked) {
-        notes.concern_first(About::ImpactSpeed, question);
+        notes.push_first(question);
     }
 }
 
@@ -141,6 +137,8 @@ pub fn note_findings(pulse: &Integrated, impact_speed_m_per_s: f64, speed_rule: 
 pub enum SpeedRule {
     /// No: a partner gives way, too, or no vehicle has this mass.
     None,
+    /// Yes, unless speed is left: the impact is stated to be glancing.
+    MayBeLeft,
     /// Yes, and the stage that read the record has asked for an exchange of one of both.
     AskedBefore,
     /// Yes, and nobody has asked yet.
@@ -155,7 +153,9 @@ fn is_decisive(note: &Note) -> bool {
 pub fn note_warnings(id: &str, channel: &Integrated, impact_speed_m_per_s: f64, notes: &mut Notes) {
     for note in findings(&channel.motion, &channel.events, impact_speed_m_per_s).iter() {
         if note.severity == Severity::Warning {
-            notes.concern(About::Channel(id.to_owned()), Weight::Marked, format!("channel {id}: {}", note.text));
+            let mut of_channel = note.clone().within(&format!("channel {id}: "), "");
+            of_channel.values.push(("channel", Value::Text(id.to_owned())));
+            notes.push(of_channel.bears_on(About::Channel(id.to_owned()), Weight::Marked));
         }
     }
 }
@@ -164,11 +164,7 @@ pub fn note_warnings(id: &str, channel: &Integrated, impact_speed_m_per_s: f64, 
 pub fn warn_unless_of_the_vehicle(channel: &Channel, notes: &mut Notes) {
     if !channel.may_be_on_vehicle() || part_of(channel).is_some() {
         let location = if channel.location.is_empty() { "an occupant" } else { &channel.location };
-        notes.concern(About::Pulse, Weight::Decisive, format!(
-            "channel {} is not of the vehicle ({location}): its dynamic crush, restitution, energies and pulse indices \
-             are those of the sensor, not of the vehicle",
-            channel.id
-        ));
+        notes.push(NotOfTheVehicle { channel: channel.id.clone(), location: location.to_owned() });
     }
 }
 
@@ -242,4 +238,33 @@ pub fn metric_record(channels: &[&str], metric: &Metric) -> MetricV1 {
         channels: if channels.len() > 1 { channels.iter().map(|id| (*id).to_owned()).collect() } else { Vec::new() },
         is_lower_bound: metric.is_lower_bound,
     }
+}
+
+remarks! {
+    /// Remarks of the pulse and its impacts.
+    pub REMARKS;
+
+    /// The pulse holds several impacts.
+    CR361 SeveralImpacts { count: usize, impacts: Vec<String>, number: usize, another: usize }
+    bears on (About::Motion, Weight::Slight)
+    decided "15 ms without a force separate two impacts. The numbers are of the first one of 8 km/h, which an \
+             event data recorder would keep (49 CFR 563.5), else of the strongest."
+    means "Crush, delta-v, rebound and models are of one impact only."
+    remedy "take another impact with --impact at ingest; each has a row in the record /impacts"
+    says format!(
+        "the pulse holds {count} impacts: {}. All numbers and models are of impact {number}; {} takes impact {another}",
+        impacts.join("; "),
+        option("ingest", "impact", &another.to_string())
+    );
+
+    /// A channel that was integrated does not sit on the vehicle.
+    CR362 NotOfTheVehicle { channel: String, location: String }
+    bears on (About::Pulse, Weight::Decisive)
+    decided "Code, location or name of the channel says an occupant, the barrier or another object."
+    means "Dynamic crush, restitution, energies and pulse indices describe the sensor, not the vehicle."
+    remedy "name a sensor of the compartment as the pulse: --channel at ingest"
+    says format!(
+        "channel {channel} is not of the vehicle ({location}): its dynamic crush, restitution, energies and pulse \
+         indices are those of the sensor, not of the vehicle"
+    );
 }

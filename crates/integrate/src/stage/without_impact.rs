@@ -74,7 +74,7 @@ pub fn without_impact(
     warn_unless_of_the_vehicle(pulse, out.notes());
     note_impacts(&integrated.events.impacts, out);
     if let Some(uncertainty) = &integrated.uncertainty {
-        out.notes().info(uncertainty_note(uncertainty, None));
+        out.notes().push(uncertainty_note(uncertainty, None));
     }
     let mut metrics = metric_records(&pulse.id, &integrated);
     let delta_v = integrated.metrics.iter().find(|metric| metric.name == "delta_v");

@@ -6,7 +6,7 @@
 //! far it is from the fitted model is a matter of the assessment, which widens its intervals by that distance.
 
 use crumple_lumped::{CrushedStructure, Elastoplastic, MOST_KNOTS, Model};
-use crumple_signal::{Displacement, Note, Notes, Signal};
+use crumple_signal::{About, Displacement, Note, Notes, Signal, Weight, remarks};
 
 use crate::candidate::{Candidate, Minimum};
 use crate::closed_form::{KelvinBranch, RIGID_RESTITUTION, elastoplastic_of_record, kelvin_from_events};
@@ -15,9 +15,9 @@ use crate::extraction::extract::extract;
 use crate::extraction::problem::{AskedCurve, ExtractionTest, MeasuredElement, MeasuredMass};
 use crate::parameters::free_parameters;
 use crate::record::sensor::SensorPlace;
-use crate::solvers::fitting::{FitStart, FitTask, computed};
+use crate::solvers::fitting::{FitStart, FitTask, NothingToFit, computed};
 use crate::solvers::load_paths;
-use crate::solvers::table::{Extent, Task, crush_of, extent_of};
+use crate::solvers::table::{Extent, NoFiniteResponse, Task, crush_of, extent_of, row_of};
 
 /// Starts of the loading stiffness of a record that never stops, over `m (v0/C)²`.
 const STIFFNESSES: [f64; 5] = [0.1, 0.3, 1.0, 2.0, 4.0];
@@ -46,7 +46,7 @@ pub(crate) fn kelvin(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate
     let solution = match kelvin_from_events(test.mass_kg, test.impact_speed_m_per_s, t_m, crush) {
         Ok(solution) => solution,
         Err(error) => {
-            notes.warning(format!("kelvin: not solved, {error}"));
+            notes.push(NoClosedForm { model: task.model.to_string(), reason: error.to_string() });
             return Ok(Vec::new());
         }
     };
@@ -59,18 +59,22 @@ pub(crate) fn kelvin(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate
             "t_c/t_m = {ratio:.4} is not above 1/e = 0.3679: overdamped, damping ratio {:.3}",
             solution.damping_ratio
         ),
-        KelvinBranch::UndampedReduction { model_time_of_dynamic_crush_s } => {
-            let text = format!(
-                "t_c/t_m = {ratio:.4} is not below 2/pi = 0.6366: no damping ratio fits. The undamped model is used: \
-                 same crush and speed, but it stops at {:.2} ms instead of {:.2} ms",
-                1e3 * model_time_of_dynamic_crush_s,
-                1e3 * t_m
-            );
-            notes.warning(format!("kelvin: {text}"));
-            text
+        KelvinBranch::UndampedReduction { model_time_of_dynamic_crush_s: model_s } => {
+            notes.push(UndampedKelvin { time_ratio: ratio, model_s, test_s: t_m });
+            undamped_in_words(ratio, model_s, t_m)
         }
     };
     Ok(unfitted(task, Model::Kelvin(solution.model), remark))
+}
+
+/// The remark on a Kelvin model without a damper, which stops at another time than the test, s.
+fn undamped_in_words(time_ratio: f64, model_s: f64, test_s: f64) -> String {
+    format!(
+        "t_c/t_m = {time_ratio:.4} is not below 2/pi = 0.6366: no damping ratio fits. The undamped model is used: same \
+         crush and speed, but it stops at {:.2} ms instead of {:.2} ms",
+        1e3 * model_s,
+        1e3 * test_s
+    )
 }
 
 /// The elastoplastic model with crush, speed and restitution of the test; where the record never stops, its loading
@@ -88,21 +92,14 @@ pub(crate) fn elastoplastic(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Ca
     let restitution = match test.coefficient_of_restitution {
         Some(e) => e,
         None => {
-            notes.warning("elastoplastic: not solved, the coefficient of restitution is not known");
+            notes.push(NoRestitution {});
             return Ok(Vec::new());
         }
     };
     match elastoplastic_of_record(test.mass_kg, test.impact_speed_m_per_s, crush, restitution) {
         Ok((model, true)) => {
-            let remark = format!(
-                "the rebound is zero within its uncertainty (restitution {restitution:.4}): the unloading is rigid, \
-                 and its stiffness not determined; {:.0} times the loading stiffness stands for it, of which the \
-                 rebound is {:.0} % of the impact speed",
-                RIGID_RESTITUTION.powi(-2),
-                100.0 * RIGID_RESTITUTION
-            );
-            notes.warning(format!("elastoplastic: {remark}"));
-            Ok(unfitted(task, Model::Elastoplastic(model), remark))
+            notes.push(RigidUnloading { restitution });
+            Ok(unfitted(task, Model::Elastoplastic(model), rigid_in_words(restitution)))
         }
         Ok((model, false)) => {
             let model_t_m = std::f64::consts::FRAC_PI_2 * crush / test.impact_speed_m_per_s;
@@ -115,10 +112,21 @@ pub(crate) fn elastoplastic(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Ca
             Ok(unfitted(task, Model::Elastoplastic(model), remark))
         }
         Err(error) => {
-            notes.warning(format!("elastoplastic: not solved, {error}"));
+            notes.push(NoClosedForm { model: task.model.to_string(), reason: error.to_string() });
             Ok(Vec::new())
         }
     }
+}
+
+/// The remark on an unloading that is rigid within the uncertainty of the rebound.
+fn rigid_in_words(restitution: f64) -> String {
+    format!(
+        "the rebound is zero within its uncertainty (restitution {restitution:.4}): the unloading is rigid, and its \
+         stiffness not determined; {:.0} times the loading stiffness stands for it, of which the rebound is {:.0} % of \
+         the impact speed",
+        RIGID_RESTITUTION.powi(-2),
+        100.0 * RIGID_RESTITUTION
+    )
 }
 
 /// The loading part of the elastoplastic model, fitted to a displacement that never stops. No sample depends on the
@@ -139,7 +147,7 @@ fn loading_part(task: &Task<'_>, extent: &Extent, notes: &mut Notes) -> Result<V
     };
     let fits = STIFFNESSES.iter().map(start).filter_map(|start| fitting.minimum(&start).map(|found| (start, found)));
     let Some((start, mut minimum)) = fits.min_by(|(_, a), (_, b)| a.rmse_m().total_cmp(&b.rmse_m())) else {
-        notes.warning(format!("{}: {}", task.model, SolveError::NoFit { starts: STIFFNESSES.len() }));
+        notes.push(NoFiniteResponse { model: task.model.to_string(), starts: STIFFNESSES.len() });
         return Ok(Vec::new());
     };
     if let Model::Elastoplastic(model) = &mut minimum.model {
@@ -230,7 +238,7 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
     let wall = task.test.sensors.iter().any(|sensor| sensor.place == SensorPlace::Wall);
     let fitting = if wall { FitTask::of_sensors(task, to_s, notes)? } else { FitTask::of_pulse(task, to_s)? };
     let Some((displacement, mut fitting)) = task.test.displacement.zip(fitting) else {
-        notes.warning(format!("{}: not fitted, there is no displacement", task.model));
+        notes.push(NothingToFit::displacement(task.model));
         return Ok(Vec::new());
     };
     let loading = Loading::of(displacement, extent.time_s);
@@ -243,7 +251,7 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
         candidates.push(fitting.candidate(&start, minimum, candidates.len() + 1, &remarks));
     }
     if candidates.is_empty() {
-        notes.warning(format!("{}: not fitted, no curve follows the displacement", task.model));
+        notes.push(NoCurve { model: task.model.to_string(), masses: 1 });
     }
     candidates.extend(load_paths::fit(task, &extent, candidates.len() + 1, notes)?);
     Ok(candidates)
@@ -330,4 +338,57 @@ fn remarks(task: &Task<'_>, model: &Model) -> Vec<String> {
             task.settings.rate_factor_s_per_m
         ),
     ]
+}
+
+remarks! {
+    /// Remarks of closed forms, and of curves read off motions.
+    pub REMARKS;
+
+    /// The formula of a model has no solution with the events of the test.
+    CR511 NoClosedForm { model: String, reason: String }
+    bears on (About::Model(model.clone()), Weight::Slight)
+    decided "The formula refuses the events. The sentence has the value and what is expected of it."
+    means "The model has no candidate from the events. Fits to the motion are not touched by it."
+    remedy "check impact speed, time zero and unit of the pulse"
+    says format!("{model}: not solved, {reason}");
+
+    /// No damping ratio gives crush and time of the test: the Kelvin model is taken without a damper.
+    CR512 UndampedKelvin { time_ratio: f64, model_s: f64, test_s: f64 }
+    bears on (About::Model("kelvin".to_owned()), Weight::Slight)
+    decided "t_c is the dynamic crush over the impact speed, t_m the time of dynamic crush. Without a damper t_c/t_m \
+             is 2/pi = 0.6366, and every damper makes it less (Huang, Vehicle Crash Mechanics, 2002)."
+    means "Model and test have one crush. The model stops later, and its pulse is longer."
+    remedy "use the fit to the motion (direct-fit), or a force-deflection curve"
+    says format!("kelvin: {}", undamped_in_words(*time_ratio, *model_s, *test_s));
+
+    /// The elastoplastic model needs a restitution, and the events have none.
+    CR513 NoRestitution {}
+    bears on (About::Model("elastoplastic".to_owned()), Weight::Slight)
+    decided "The unloading stiffness is the loading stiffness over the square of the coefficient of restitution."
+    means "The model has no candidate from the events. Other models are not touched by it."
+    remedy "give a record that goes on until the rebound, or use another model"
+    says "elastoplastic: not solved, the coefficient of restitution is not known";
+
+    /// The vehicle does not rebound within the uncertainty of the record: the unloading stiffness has no value.
+    CR514 RigidUnloading { restitution: f64 }
+    bears on (About::Model("elastoplastic".to_owned()), Weight::Slight)
+    decided "A restitution up to 0.01 counts as none: a zero level 0.1 g off makes as much rebound within 100 ms at 10 \
+             m/s. So does one whose interval holds zero. 10000 times the loading stiffness, a rebound of 1 %, then \
+             stands for the unloading stiffness."
+    means "Crush and loading stiffness hold. The unloading stiffness is no number of the vehicle; its interval is open."
+    remedy "do not quote the unloading stiffness"
+    says format!("elastoplastic: {}", rigid_in_words(*restitution));
+
+    /// No force-deflection curve of one mass, or none of two masses, could be fitted.
+    CR515 NoCurve { model: String, masses: usize }
+    bears on (row_of(model), Weight::Slight)
+    decided "Curves with few and with many knots are read off the motion by least squares, then fitted. None of them \
+             had a solution. One mass needs 12 samples of the loading at least."
+    means "There is no candidate of this model with so many masses. Other models are not touched by it."
+    remedy "check sign and unit of the pulse and of the sensor on the engine, or use another model"
+    says if *masses == 1 {
+        format!("{model}: not fitted, no curve follows the displacement")
+    } else {
+        format!("{model}: no two masses, no curves follow both displacements")
+    };
 }

@@ -1,8 +1,8 @@
 //! The one fit of all solvers: the sensors on the masses of a model, their waves as measured, and the candidate that a
 //! start leads to.
 
-use crumple_lumped::{Elastoplastic, Model, Nonlinear1, ParameterKind};
-use crumple_signal::{Measurement, Note, Notes};
+use crumple_lumped::{Elastoplastic, Model, ModelKind, Nonlinear1, ParameterKind};
+use crumple_signal::{About, Measurement, Note, Notes, Weight, remarks};
 
 use crate::candidate::{Candidate, Fit, Minimum, bounds_remark, fixed_at_bound};
 use crate::coordinates::{MassFit, largest_of_chain};
@@ -11,7 +11,7 @@ use crate::fit::as_measured::{fit_as_measured, fit_nearby};
 use crate::parameters::{FitParameter, free_masses, free_parameters, mass_of};
 use crate::record::observation::{Observation, ObservedWave};
 use crate::record::sensor::{FitQuantity, Sensor, SensorPlace, errors_in_words, note_of_errors};
-use crate::solvers::table::{Task, mass_count};
+use crate::solvers::table::{Task, mass_count, row_of};
 use crate::uncertainty::acceleration_likelihood::least_acceleration_misfit;
 
 /// Why a model cannot be fitted: sensors of two different places are on one of its masses, which has one motion. One
@@ -48,24 +48,26 @@ pub(super) fn sensors_of<'a>(task: &Task<'a>, notes: &mut Notes) -> Option<Vec<(
     let count = mass_count(task.model);
     let places: Vec<_> = task.test.sensors.iter().map(|sensor| (sensor.place, sensor.channel)).collect();
     if let Some(reason) = shared_mass(&places, count) {
-        notes.warning(format!("{}: {reason}", task.model));
+        notes.push(SharedMass { model: task.model.to_string(), reason });
         return None;
     }
     let mut sensors = Vec::new();
     for sensor in task.test.sensors {
         match sensor.place.mass(count) {
             Some(mass) => sensors.push((mass, *sensor)),
-            None => notes.info(format!(
-                "{}: sensor {} is on the {}, which this model does not have: not fitted",
-                task.model, sensor.channel, sensor.place
-            )),
+            None => notes.push(SensorElsewhere {
+                model: task.model.to_string(),
+                channel: sensor.channel.to_owned(),
+                place: sensor.place.to_string(),
+            }),
         }
     }
     if sensors.is_empty() && task.settings.quantity == FitQuantity::Displacement {
         sensors.extend(pulse(task).map(|pulse| (count - 1, pulse)));
     }
     if sensors.is_empty() {
-        notes.warning(format!("{}: not fitted, there is no {} of the compartment", task.model, task.settings.quantity));
+        let what = format!("{} of the compartment", task.settings.quantity);
+        notes.push(NothingToFit { model: task.model.to_string(), what });
         return None;
     }
     Some(sensors)
@@ -336,6 +338,43 @@ fn broken_side_constraints(model: &Model) -> Option<String> {
             broken.join(" and ")
         )
     })
+}
+
+impl NothingToFit {
+    /// Of a model that is fitted to the displacement of the pulse.
+    pub(super) fn displacement(model: ModelKind) -> Self {
+        Self { model: model.to_string(), what: "displacement".to_owned() }
+    }
+}
+
+remarks! {
+    /// Remarks of sensors on the masses of models.
+    pub REMARKS;
+
+    /// Two sensors of different places fall on one mass of a model.
+    CR516 SharedMass { model: String, reason: String }
+    bears on (row_of(model), Weight::Slight)
+    decided "Each place is on one mass of the model, and a mass has one motion. Several channels of one place are \
+             several measurements of it, and are allowed."
+    means "The model is left out. Models that have a mass for each of the places are fitted."
+    remedy "write in sensors what the sentence says, or leave the model out of models"
+    says format!("{model}: {reason}");
+
+    /// A sensor is on a part that the model does not have.
+    CR517 SensorElsewhere { model: String, channel: String, place: String }
+    bears on (About::Model(String::new()), Weight::None)
+    decided "The place of the sensor is looked for among the masses of the model."
+    means "The model is fitted without this sensor."
+    remedy "nothing; a model with more masses uses the sensor"
+    says format!("{model}: sensor {channel} is on the {place}, which this model does not have: not fitted");
+
+    /// The motion that a model is fitted to is not there.
+    CR518 NothingToFit { model: String, what: String }
+    bears on (row_of(model), Weight::Slight)
+    decided "A fit needs the displacement of the pulse, or the motion of a sensor that fit_quantity names."
+    means "The model has no fitted candidate."
+    remedy "give the artifact of integrate, or name a sensor on a mass of the model: sensors"
+    says format!("{model}: not fitted, there is no {what}");
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 //! and the force on the wall where that is fitted.
 
 use crumple_lumped::{CrushedLoadPaths, LOAD_PATHS, LoadPath, MOST_KNOTS_OF_PATH, Model, ModelKind};
-use crumple_signal::{Displacement, Notes, Sampled, Signal, TwoPassFilter};
+use crumple_signal::{About, Displacement, Notes, Sampled, Signal, TwoPassFilter, Weight, remarks};
 
 use crate::candidate::{Candidate, Minimum};
 use crate::coordinates::MassFit;
@@ -20,9 +20,9 @@ use crate::record::observation::{Observation, ObservedWave};
 use crate::record::sensor::{FitQuantity, SensorPlace};
 use crate::selection::evidence::{Evidence, OF_A_NUMBER};
 use crate::selection::rating::ComparedRecord;
-use crate::solvers::closed_forms::{KNOT_SPACING_S, RATE_PRIOR_S_PER_M, restitution};
+use crate::solvers::closed_forms::{KNOT_SPACING_S, NoCurve, RATE_PRIOR_S_PER_M, restitution};
 use crate::solvers::fitting::{FitStart, FitTask};
-use crate::solvers::table::{Extent, Task};
+use crate::solvers::table::{Extent, Task, row_of};
 
 /// Front and rear mass of each path, by their place; none: the wall.
 const ENDS: [(Option<usize>, usize); LOAD_PATHS] = [(None, 0), (Some(0), 1), (None, 1)];
@@ -54,7 +54,7 @@ pub(super) fn fit(
     let on = |mass: usize| task.test.sensors.iter().find(move |sensor| sensor.place.mass(2) == Some(mass));
     let Some(engine) = on(0).filter(|engine| engine.quantity == FitQuantity::Displacement) else {
         if on(0).is_some() {
-            notes.info(format!("{}: two masses are fitted to displacements only", task.model));
+            notes.push(DisplacementsOnly { model: task.model.to_string() });
         }
         return Ok(Vec::new());
     };
@@ -64,7 +64,7 @@ pub(super) fn fit(
     let (m1_kg, m2_kg, split) = masses(task.test.mass_kg, task.settings.split, MassEvidence::SeveralMasses)?;
     let masses_kg = [m1_kg, m2_kg];
     let Some(motions) = Motions::of(&task, displacement, engine.record, fitting.end_s()) else {
-        notes.warning(format!("{}: no two masses, the record has too few samples", task.model));
+        notes.push(TooFewForTwoMasses { model: task.model.to_string() });
         return Ok(Vec::new());
     };
     let accelerations = motions.observed(&task);
@@ -95,7 +95,7 @@ pub(super) fn fit(
         candidates.push(fitting.candidate(&start, minimum, first + candidates.len(), &remarks));
     }
     if candidates.is_empty() {
-        notes.warning(format!("{}: no two masses, no curves follow both displacements", task.model));
+        notes.push(NoCurve { model: task.model.to_string(), masses: 2 });
     }
     Ok(candidates)
 }
@@ -302,4 +302,26 @@ fn assumed(task: &Task<'_>) -> String {
         "rate factor {RATE_PRIOR_S_PER_M} s/m is a prior, +- 0.005; unloading stiffness of a path as the window shows \
          it, else from the restitution {restitution}"
     )
+}
+
+remarks! {
+    /// Remarks of two masses on load paths.
+    pub REMARKS;
+
+    /// A sensor is on the engine, and load paths cannot be fitted to the quantity that is asked for.
+    CR519 DisplacementsOnly { model: String }
+    bears on (About::Model(String::new()), Weight::None)
+    decided "Load paths are read off the displacements of engine and compartment; fit_quantity asks for another motion."
+    means "There is no candidate of two masses on load paths. The curve of one mass is fitted."
+    remedy "leave fit_quantity out to have them"
+    says format!("{model}: two masses are fitted to displacements only");
+
+    /// The displacements of engine and compartment hold too few samples for load paths.
+    CR520 TooFewForTwoMasses { model: String }
+    bears on (row_of(model), Weight::Slight)
+    decided "Curves are read from 24 samples at least. They lie between contact and the end of the fit window, and \
+             both displacements hold them."
+    means "There is no candidate of two masses on load paths. The curve of one mass is not touched by it."
+    remedy "give records with a higher rate, or end the fit window later: fit_to"
+    says format!("{model}: no two masses, the record has too few samples");
 }

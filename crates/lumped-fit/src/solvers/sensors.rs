@@ -3,7 +3,7 @@
 
 use crumple_lumped::{DoubleSpringMassDamper, Model, ModelKind, Parameter, ParameterKind};
 use crumple_numerics::estimation::minimise::levenberg_marquardt::{Optimum, descend};
-use crumple_signal::Notes;
+use crumple_signal::{About, Notes, Weight, remarks};
 use rayon::prelude::*;
 
 use crate::candidate::{Candidate, Method, Minimum};
@@ -17,7 +17,7 @@ use crate::parameters::{MassEvidence, masses, triple_masses};
 use crate::record::observation::RESOLUTION_M;
 use crate::record::sensor::FitQuantity;
 use crate::solvers::fitting::{FitStart, FitTask};
-use crate::solvers::table::{Task, mass_count};
+use crate::solvers::table::{NeverStops, NoFiniteResponse, Task, mass_count};
 
 /// The fit of the table: a search on the motion itself, by descents or by L-SHADE, then the fit as measured.
 ///
@@ -42,7 +42,7 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
     let Some(mut fitting) = FitTask::of_sensors(task, to_s, notes)? else { return Ok(Vec::new()) };
     let is_chain = matches!(kind, ModelKind::DoubleSpringMassDamper | ModelKind::TripleSpringMassDamper);
     if to_s.is_none() && is_chain {
-        notes.warning(format!("{kind}: fitted up to the end of the record, since there is no dynamic crush"));
+        notes.push(NeverStops { model: kind.to_string(), to_s: None, largest_m: None });
     }
     let length_s = fitting.end_s();
     let compartment_alone = fitting.sensors.iter().all(|(mass, _)| mass + 1 == masses_kg.len());
@@ -62,12 +62,12 @@ pub(crate) fn fit(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidate>, 
         _ => Search::Starts(starts, given_starts(task, &coordinates, &masses_kg, to_s)),
     };
     let Some(mut searched) = search(&coordinates, &fitting.observed, &how) else {
-        notes.warning(format!("{kind}: {}", SolveError::NoFit { starts }));
+        notes.push(NoFiniteResponse { model: kind.to_string(), starts });
         return Ok(Vec::new());
     };
     let mut remarks = Vec::new();
     if let Some(text) = &split {
-        notes.info(format!("{kind}: {text}"));
+        notes.push(MassesTaken { model: Some(kind.to_string()), reason: text.clone() });
         remarks.push(match settings.mass_fit {
             MassFit::Known => text.clone(),
             MassFit::Shares { lower, upper } => format!(
@@ -236,10 +236,7 @@ pub(super) fn explanations(mut fitting: FitTask<'_>, ends: &Ends<'_>, notes: &mu
     let kind = fitting.task.model;
     let mut starts: Vec<FitStart> = ends.as_good(0.0).into_iter().cloned().collect();
     if starts.len() > 1 {
-        notes.warning(format!(
-            "{kind}: the parameters are not identifiable from this record: {} sets fit within 1 % of the best",
-            starts.len()
-        ));
+        notes.push(SeveralSets { model: kind.to_string(), sets: starts.len() });
         starts.truncate(REPORTED);
     }
     let Some(best) = starts.first().and_then(|start| fitting.weighed_minimum(start)) else { return Vec::new() };
@@ -248,21 +245,16 @@ pub(super) fn explanations(mut fitting: FitTask<'_>, ends: &Ends<'_>, notes: &mu
     for (start, minimum) in starts.iter().zip(std::iter::once(Some(best.clone())).chain(others)) {
         let Some(minimum) = minimum else { continue };
         if fits.iter().any(|(_, other, _)| near(&minimum.model, &other.model, SAME)) {
-            notes.info(format!("{kind}: a further set is left out, as measured it is the same as an earlier one"));
+            notes.push(SameSet { model: kind.to_string() });
             continue;
         }
         fits.push((start.clone(), minimum, ends.remarks.to_vec()));
     }
     if let Model::DoubleSpringMassDamper(model) = &best.model {
         if let Some(misfit) = fitting.observed.misfit(&Model::DoubleSpringMassDamper(model.dual())) {
-            let text = format!(
-                "the dual model moves the compartment alike, but not the chassis: it misses by {}, this one by {}; the \
-                 second sensor decides, and the two are not equivalent",
-                fitting.errors(&misfit),
-                fitting.errors(&best.misfit_m)
-            );
-            notes.info(format!("{kind}: {text}"));
-            fits[0].2.push(text);
+            let (dual_errors, errors) = (fitting.errors(&misfit), fitting.errors(&best.misfit_m));
+            fits[0].2.push(dual_in_words(&dual_errors, &errors));
+            notes.push(DualMisses { model: kind.to_string(), dual_errors, errors });
         }
         // Where the dual leads if it is followed: the second best explanation.
         let followed = ends.from_dual.as_ref().and_then(|start| Some((start, fitting.minimum(start)?)));
@@ -287,7 +279,7 @@ pub(super) fn explanations(mut fitting: FitTask<'_>, ends: &Ends<'_>, notes: &mu
 /// in first order.
 pub(super) fn pairs(mut fitting: FitTask<'_>, ends: &Ends<'_>, notes: &mut Notes) -> Vec<Candidate> {
     let kind = fitting.task.model;
-    notes.info(format!("{kind}: two dual solutions move the compartment alike. A sensor on the front mass can decide"));
+    notes.push(TwoDuals { model: kind.to_string() });
     let of_displacement = fitting.observed.waves[0].quantity == FitQuantity::Displacement;
     let starts = ends.as_good(if of_displacement { DISPLACEMENT_RESOLUTION_M } else { 0.0 });
     let starts = &starts[..starts.len().min(REPORTED)];
@@ -310,11 +302,7 @@ pub(super) fn pairs(mut fitting: FitTask<'_>, ends: &Ends<'_>, notes: &mut Notes
         }
     }
     if kept.len() > 1 {
-        notes.warning(format!(
-            "{kind}: the parameters are not identifiable: {} pairs of sets fit equally well within the accuracy of \
-             the record",
-            kept.len()
-        ));
+        notes.push(SeveralPairs { model: kind.to_string(), pairs: kept.len() });
     }
     let mut candidates = Vec::new();
     for (start, minimum) in kept {
@@ -346,6 +334,14 @@ pub(super) fn pairs(mut fitting: FitTask<'_>, ends: &Ends<'_>, notes: &mut Notes
     candidates
 }
 
+/// The remark on how a double model and its dual miss the sensors.
+fn dual_in_words(dual_errors: &str, errors: &str) -> String {
+    format!(
+        "the dual model moves the compartment alike, but not the chassis: it misses by {dual_errors}, this one by \
+         {errors}; the second sensor decides, and the two are not equivalent"
+    )
+}
+
 fn front_spring(model: &Model) -> f64 {
     model.parameters().get("k1_n_per_m").copied().unwrap_or(0.0)
 }
@@ -362,4 +358,69 @@ fn near(a: &Model, b: &Model, share: f64) -> bool {
 fn same_pair(a: &Model, b: &Model) -> bool {
     let dual = |model: &DoubleSpringMassDamper| Model::DoubleSpringMassDamper(model.dual());
     near(a, b, SAME) || matches!(a, Model::DoubleSpringMassDamper(a) if near(&dual(a), b, SAME))
+}
+
+remarks! {
+    /// Remarks of fits to sensors.
+    pub REMARKS;
+
+    /// Masses of a model with several masses: given, or an assumed share of the whole.
+    CR521 MassesTaken { model: Option<String>, reason: String }
+    bears on (About::Model(String::new()), Weight::None)
+    decided "m1, m2 or triple_masses state the masses. Where nobody does, front_mass_fraction is in front: 0.25, which \
+             is an assumption."
+    means "All springs and dampers of the model depend on these masses. Sensors of the compartment do not show them."
+    remedy "nothing, or state m1 or front_mass_fraction where they are known"
+    says match model {
+        Some(model) => format!("{model}: {reason}"),
+        None => reason.clone(),
+    };
+
+    /// Several sets of parameters follow the record as well as the best one.
+    CR522 SeveralSets { model: String, sets: usize }
+    bears on (About::Model(model.clone()), Weight::Slight)
+    decided "The search ended at several sets of parameters with errors within 1 % of the least. Three of them at most \
+             become candidates."
+    means "The motion of the model holds where sensors are. Any of the sets may be the vehicle."
+    remedy "quote none of its parameters; name sensors on further masses, or use a model with fewer parameters"
+    says format!(
+        "{model}: the parameters are not identifiable from this record: {sets} sets fit within 1 % of the best"
+    );
+
+    /// Two sets of parameters became one when they were fitted as measured.
+    CR523 SameSet { model: String }
+    bears on (About::Model(String::new()), Weight::None)
+    decided "Every parameter differs by less than 0.1 % from an earlier set."
+    means "The earlier candidate stands for both."
+    remedy "nothing"
+    says format!("{model}: a further set is left out, as measured it is the same as an earlier one");
+
+    /// A sensor in front tells a double model from its dual.
+    CR524 DualMisses { model: String, dual_errors: String, errors: String }
+    bears on (About::Model(String::new()), Weight::None)
+    decided "Each double model has a dual with the same motion of the compartment. Both are compared with all sensors."
+    means "The dual is ruled out where its error is much larger than the error of the model."
+    remedy "nothing"
+    says format!("{model}: {}", dual_in_words(dual_errors, errors));
+
+    /// Sensors of the compartment do not tell a double model from its dual.
+    CR525 TwoDuals { model: String }
+    bears on (About::Model(String::new()), Weight::None)
+    decided "Each double model has a dual with the same motion of the compartment. Both are candidates, the one with \
+             the softer front spring first."
+    means "Motion and crush of both are the same. Springs and dampers differ."
+    remedy "name a sensor on the front mass: sensors"
+    says format!("{model}: two dual solutions move the compartment alike. A sensor on the front mass can decide");
+
+    /// Several pairs of dual models follow the record as well as the best one.
+    CR526 SeveralPairs { model: String, pairs: usize }
+    bears on (About::Model(model.clone()), Weight::Slight)
+    decided "Pairs count whose errors are within 1 % of the least. For a displacement 0.1 µm is added where the filter \
+             of the record is known, else 1.3 µm: no displacement is more accurate."
+    means "The motion of the compartment holds. Any of the pairs may be the vehicle."
+    remedy "quote none of its parameters; name a sensor on the front mass, or use a model with fewer parameters"
+    says format!(
+        "{model}: the parameters are not identifiable: {pairs} pairs of sets fit equally well within the accuracy of \
+         the record"
+    );
 }

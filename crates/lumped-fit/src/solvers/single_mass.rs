@@ -1,14 +1,14 @@
 //! One mass fitted to its displacement: the Maxwell and the nonlinear models.
 
 use crumple_lumped::{Maxwell, Model};
-use crumple_signal::{Displacement, Note, Notes, Signal};
+use crumple_signal::{About, Displacement, Note, Notes, Signal, Weight, remarks};
 
 use crate::candidate::{Candidate, Fit, Minimum, bounds_remark};
 use crate::error::SolveError;
 use crate::fit::problem::SingleMassFitOptions;
-use crate::solvers::fitting::{FitStart, FitTask, computed, window_note};
+use crate::solvers::fitting::{FitStart, FitTask, NothingToFit, computed, window_note};
 use crate::solvers::sensors;
-use crate::solvers::table::{Extent, Task, crush_of, extent_of};
+use crate::solvers::table::{Extent, NoFiniteResponse, Task, crush_of, extent_of};
 
 /// A model with the record of how it was found on the motion itself, or why there is none.
 type OnTheMotion = Result<(Model, Fit), SolveError>;
@@ -22,10 +22,12 @@ pub(crate) fn maxwell(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candidat
     let mut candidates = sensors::fit(task, notes)?;
     for candidate in &mut candidates {
         if let Model::Maxwell(maxwell) = &candidate.model
-            && let Some(finding) = undetermined_by_the_record(maxwell, task.test.impact_speed_m_per_s, extent.crush_m)
+            && let Some((part, gives_m)) =
+                undetermined_by_the_record(maxwell, task.test.impact_speed_m_per_s, extent.crush_m)
         {
-            notes.warning(format!("{}: {finding}", task.model));
-            candidate.notes.push(Note::info(finding));
+            let (model, crush_m) = (task.model.to_string(), extent.crush_m);
+            candidate.notes.push(Note::info(rigid_in_words(part, gives_m, crush_m)));
+            notes.push(NearlyRigid { model, part: part.to_owned(), gives_m, crush_m });
         }
     }
     Ok(candidates)
@@ -48,19 +50,24 @@ pub(crate) fn nonlinear1(task: &Task<'_>, notes: &mut Notes) -> Result<Vec<Candi
         });
         let (model, fit) = options.fit_nonlinear1(x, extent.stops)?;
         if let Some([crush, speed]) = options.conditions_at_crush(&model).filter(|left| extent.stops && !met(left)) {
-            missed = Some(format!(
-                "the conditions at dynamic crush are not met: crush {:.3} % off, speed {:.3} % of that at impact left",
-                100.0 * crush,
-                100.0 * speed
-            ));
-            remarks.extend(missed.clone());
+            missed = Some((crush, speed));
+            remarks.push(missed_in_words(crush, speed));
         }
         Ok((Model::Nonlinear1(model), fit))
     });
-    if let Some(missed) = missed {
-        notes.warning(format!("{}: {missed}", task.model));
+    if let Some((crush_off, speed_left)) = missed {
+        notes.push(ConditionsNotMet { model: task.model.to_string(), crush_off, speed_left });
     }
     candidates
+}
+
+/// The remark on conditions that are missed, by shares of crush and impact speed.
+fn missed_in_words(crush_off: f64, speed_left: f64) -> String {
+    format!(
+        "the conditions at dynamic crush are not met: crush {:.3} % off, speed {:.3} % of that at impact left",
+        100.0 * crush_off,
+        100.0 * speed_left
+    )
 }
 
 /// Whether the relative conditions on crush and speed are met to 1e-6.
@@ -173,7 +180,7 @@ fn start_of<'a>(
     let (kind, test, settings) = (task.model, task.test, task.settings);
     let to_s = settings.fit_to_s.or(extent.stops.then_some(extent.time_s));
     let Some((displacement, fitting)) = test.displacement.zip(FitTask::of_pulse(task, to_s)?) else {
-        notes.warning(format!("{kind}: not fitted, there is no displacement"));
+        notes.push(NothingToFit::displacement(kind));
         return Ok(None);
     };
     let options = SingleMassFitOptions {
@@ -188,8 +195,8 @@ fn start_of<'a>(
     let mut remarks = Vec::new();
     match find(displacement, &options, &mut remarks) {
         Ok(found) => Ok(Some((fitting, found, remarks))),
-        Err(error @ SolveError::NoFit { .. }) => {
-            notes.warning(format!("{kind}: {error}"));
+        Err(SolveError::NoFit { starts }) => {
+            notes.push(NoFiniteResponse { model: kind.to_string(), starts });
             Ok(None)
         }
         Err(error) => Err(error),
@@ -199,34 +206,67 @@ fn start_of<'a>(
 /// Share of the dynamic crush below which a part of the model is nearly rigid.
 const RIGID: f64 = 0.02;
 
-/// Which parameter the record hardly determines, in words, and why; `None` where both take part.
+/// A part of the Maxwell model, and how much it gives, m.
+type Part = (&'static str, f64);
+
+const DAMPER: &str = "damper";
+
+/// Which part's parameter the record hardly determines, and what that part gives, m; `None` where both take part.
 ///
 /// Spring and damper in series share the crush. The damper gives `m v0/c` until the mass stops, at most; the spring
 /// gives the largest force over its stiffness, at a thousand instants up to twice the time `C/v0` (the force of a stiff
 /// spring is largest soon after contact and falls slowly). Where one of them gives less than 2 % of the crush it could
 /// as well be rigid: its value follows from that small part, to which noise, filter and the other's law contribute as
 /// much.
-pub(super) fn undetermined_by_the_record(model: &Maxwell, impact_speed_m_per_s: f64, crush_m: f64) -> Option<String> {
+pub(super) fn undetermined_by_the_record(model: &Maxwell, impact_speed_m_per_s: f64, crush_m: f64) -> Option<Part> {
     let damper = model.mass_kg * impact_speed_m_per_s / model.damping_n_s_per_m;
     let step_s = 2.0 * crush_m / impact_speed_m_per_s / 1000.0;
     let force =
         |k: u32| model.mass_kg * model.state(impact_speed_m_per_s, f64::from(k) * step_s).acceleration_m_per_s2.abs();
     let spring = (1..=1000).map(force).fold(0.0, f64::max) / model.stiffness_n_per_m;
-    let share = |give: f64| format!("{:.2} mm of {:.1} mm", 1e3 * give, 1e3 * crush_m);
-    if damper < RIGID * crush_m {
-        return Some(format!(
-            "the damper is nearly rigid, it gives {}: the record shows only that its damping is large. The model is a \
-             spring",
-            share(damper)
-        ));
-    }
-    (spring < RIGID * crush_m).then(|| {
+    let is_rigid = |(_, gives_m): &Part| *gives_m < RIGID * crush_m;
+    [(DAMPER, damper), ("spring", spring)].into_iter().find(is_rigid)
+}
+
+/// The remark on a part that is nearly rigid.
+fn rigid_in_words(part: &str, gives_m: f64, crush_m: f64) -> String {
+    let share = format!("{:.2} mm of {:.1} mm", 1e3 * gives_m, 1e3 * crush_m);
+    if part == DAMPER {
         format!(
-            "the spring is nearly rigid, it gives {}: the record does not determine its stiffness, only that it is \
-             large, and the model is a damper alone",
-            share(spring)
+            "the damper is nearly rigid, it gives {share}: the record shows only that its damping is large. The model \
+             is a spring"
         )
-    })
+    } else {
+        format!(
+            "the spring is nearly rigid, it gives {share}: the record does not determine its stiffness, only that it \
+             is large, and the model is a damper alone"
+        )
+    }
+}
+
+remarks! {
+    /// Remarks of models of one mass.
+    pub REMARKS;
+
+    /// Spring or damper of the Maxwell model is so stiff that the record does not show it.
+    CR527 NearlyRigid { model: String, part: String, gives_m: f64, crush_m: f64 }
+    bears on (About::Model(model.clone()), Weight::Slight)
+    decided "The part gives less than 2 % of the crush. A damper gives m v0/c, a spring its largest force over its \
+             stiffness."
+    means "Motion and crush of the model hold. Noise and filter decide the parameter of the rigid part as much as the \
+           vehicle does."
+    remedy "do not quote that parameter: say that it is large"
+    says format!("{model}: {}", rigid_in_words(part, *gives_m, *crush_m));
+
+    /// The first nonlinear model does not stop at crush and time of the test.
+    CR528 ConditionsNotMet { model: String, crush_off: f64, speed_left: f64 }
+    bears on (About::Model(model.clone()), Weight::Slight)
+    decided "The single-mass paper asks for x(t_m) = C and v(t_m) = 0. More than 1e-6 of the crush or of the impact \
+             speed is left."
+    means "With k1 <= k2 and c1 >= c2 >= c3 no set was found on the motion that meets both. The candidate starts from \
+           a set that misses the test by as much."
+    remedy "check impact speed and time zero, or use the second nonlinear model"
+    says format!("{model}: {}", missed_in_words(*crush_off, *speed_left));
 }
 
 #[cfg(test)]
@@ -237,7 +277,8 @@ mod tests {
     fn a_nearly_rigid_damper_is_found_and_a_working_one_is_not() {
         let model = Maxwell { mass_kg: 900.0, stiffness_n_per_m: 3e5, damping_n_s_per_m: 1e8 };
         let crush = model.events(10.0).dynamic_crush_m.unwrap();
-        let finding = undetermined_by_the_record(&model, 10.0, crush).unwrap();
+        let (part, gives_m) = undetermined_by_the_record(&model, 10.0, crush).unwrap();
+        let finding = rigid_in_words(part, gives_m, crush);
         assert!(finding.contains("shows only that its damping is large"), "{finding}");
         let working = Maxwell { damping_n_s_per_m: 4e4, stiffness_n_per_m: 1e6, ..model };
         let crush = working.events(10.0).dynamic_crush_m.unwrap();
@@ -254,7 +295,8 @@ mod tests {
         assert_eq!(undetermined_by_the_record(&slow, 17.0, crush), None);
         // A spring hundred times as stiff is rigid beside the same damper: it gives c v0/k at most.
         let stiff = Maxwell { stiffness_n_per_m: 6e7, ..slow };
-        let finding = undetermined_by_the_record(&stiff, 17.0, 1.7).unwrap();
+        let (part, gives_m) = undetermined_by_the_record(&stiff, 17.0, 1.7).unwrap();
+        let finding = rigid_in_words(part, gives_m, 1.7);
         assert!(finding.contains("the spring is nearly rigid, it gives 4."), "{finding}");
     }
 }

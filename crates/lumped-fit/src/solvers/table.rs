@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 use crumple_lumped::{ModelKind, ParameterKind};
 use crumple_numerics::estimation::minimise::l_shade::LShadeOptions;
 use crumple_numerics::estimation::work::determined;
-use crumple_signal::{About, Notes, Sampled, Weight};
+use crumple_signal::{About, Notes, Sampled, Weight, remarks};
 use rayon::prelude::*;
 
 use crate::candidate::{Candidate, Method, Minimum};
@@ -18,6 +18,7 @@ use crate::papers::FireflyOptions;
 use crate::parameters::MassSplit;
 use crate::record::sensor::{FitQuantity, Sensor, TestData};
 use crate::solvers::closed_forms::ONE_MASS_RATE_S_PER_M;
+use crate::solvers::fitting::NothingToFit;
 use crate::solvers::{closed_forms, sensors, single_mass};
 
 /// Models, methods, masses and window that are solved for. Defaults follow from the table of solvers.
@@ -102,6 +103,13 @@ pub(crate) fn mass_count(kind: ModelKind) -> usize {
     kind.parameters().iter().filter(|parameter| parameter.kind == ParameterKind::Mass).count()
 }
 
+/// What a remark on a model concerns: the model whose row of the table was run. Load paths are found beside the curve
+/// of one mass.
+pub(super) fn row_of(model: &str) -> About {
+    let row = if model == ModelKind::LoadPaths.name() { ModelKind::ForceDeflection.name() } else { model };
+    About::Model(row.to_owned())
+}
+
 /// Depth and time by which a fit to the displacement of one mass is scaled.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Extent {
@@ -124,7 +132,7 @@ pub(super) fn extent_of(task: &Task<'_>, notes: &mut Notes) -> Option<Extent> {
         return Some(Extent { crush_m, time_s, stops: true });
     }
     let Some(displacement) = test.displacement else {
-        notes.warning(format!("{kind}: not fitted, there is no displacement"));
+        notes.push(NothingToFit::displacement(kind));
         return None;
     };
     let end_s = displacement.end_s();
@@ -134,15 +142,10 @@ pub(super) fn extent_of(task: &Task<'_>, notes: &mut Notes) -> Option<Extent> {
     let window = displacement.samples().get(first..after.min(displacement.len())).unwrap_or_default();
     let crush_m = window.iter().copied().fold(0.0, f64::max);
     if crush_m <= 0.0 || time_s <= 0.0 {
-        notes.warning(format!("{kind}: not fitted, the displacement is nowhere positive after time zero"));
+        notes.push(NowherePositive { model: kind.to_string() });
         return None;
     }
-    notes.warning(format!(
-        "{kind}: the velocity of the record never reaches zero: fitted up to {:.2} ms, the end of the window, with the \
-         largest displacement {:.1} mm in place of the dynamic crush",
-        1e3 * time_s,
-        1e3 * crush_m
-    ));
+    notes.push(NeverStops { model: kind.to_string(), to_s: Some(time_s), largest_m: Some(crush_m) });
     Some(Extent { crush_m, time_s, stops: false })
 }
 
@@ -150,10 +153,7 @@ pub(super) fn extent_of(task: &Task<'_>, notes: &mut Notes) -> Option<Extent> {
 pub(super) fn crush_of(task: &Task<'_>, notes: &mut Notes) -> Option<(f64, f64)> {
     let events = task.test.time_of_dynamic_crush_s.zip(task.test.dynamic_crush_m);
     if events.is_none() {
-        notes.warning(format!(
-            "{}: not solved: the velocity never reaches zero, so there is no dynamic crush for {}. Use direct-fit",
-            task.model, task.method
-        ));
+        notes.push(NoDynamicCrush { model: task.model.to_string(), method: task.method.to_string() });
     }
     events
 }
@@ -349,7 +349,7 @@ pub fn solve(test: &TestData<'_>, settings: &SolveSettings, notes: &mut Notes) -
             let solvers = solvers_of(model, &settings.methods);
             let mut none = Notes::new();
             if solvers.is_empty() {
-                none.warning(format!("{model}: none of the methods asked for solves this model"));
+                none.push(NoMethod { model: model.to_string() });
             }
             let solved = solvers.into_iter().filter_map(move |solver| {
                 let mut notes = Notes::new();
@@ -357,22 +357,22 @@ pub fn solve(test: &TestData<'_>, settings: &SolveSettings, notes: &mut Notes) -
                 let solve = solver.solve?;
                 let mut result = determined(|| solve(&task, &mut notes)).unwrap_or_else(|reason| {
                     notes = Notes::new();
-                    notes.warning(format!("{model} by {}: {reason}", solver.method.name()));
+                    let (model, method) = (model.to_string(), solver.method.to_string());
+                    notes.push(NotSolved { model, method, reason: reason.to_string() });
                     Ok(Vec::new())
                 });
                 let minima = result.iter_mut().flatten().filter_map(|candidate| candidate.minimum.as_mut());
                 minima.for_each(Minimum::release_work);
                 // A record that is too coarse for a fit (an event data recorder's) still has its events for the closed
                 // forms.
-                if let Err(error @ SolveError::TooFewSamples { .. }) = &result {
-                    notes.warning(format!("{model}: not fitted by {}: {error}", solver.method.name()));
+                if let Err(SolveError::TooFewSamples { samples, from_s, to_s, needed }) = result {
+                    let (model, method) = (model.to_string(), solver.method.to_string());
+                    notes.push(TooCoarse { model, method, samples, from_s, to_s, needed });
                     result = Ok(Vec::new());
                 }
                 Some((result, notes))
             });
-            let about = About::Model(model.to_string());
-            let all = std::iter::once((Ok(Vec::new()), none)).chain(solved);
-            all.map(move |(result, notes)| (result, notes.all_about(&about)))
+            std::iter::once((Ok(Vec::new()), none)).chain(solved)
         })
         .collect();
     let mut candidates = Vec::new();
@@ -384,12 +384,99 @@ pub fn solve(test: &TestData<'_>, settings: &SolveSettings, notes: &mut Notes) -
     candidates.retain(|candidate| {
         let finite = candidate.model.parameters().values().all(|value| value.is_finite());
         if !finite {
-            let text = format!("{}: left out, a parameter is beyond the range of numbers", candidate.id());
-            notes.concern(About::Model(candidate.id()), Weight::Slight, text);
+            notes.push(BeyondNumbers { id: candidate.id() });
         }
         finite
     });
     Ok(candidates)
+}
+
+remarks! {
+    /// Remarks of the solvers of all models.
+    pub REMARKS;
+
+    /// None of the methods that are asked for solves a model.
+    CR529 NoMethod { model: String }
+    bears on (About::Model(model.clone()), Weight::Slight)
+    decided "The table of docs/methods/parameter-solve.md has the methods of each model; method names none of them."
+    means "The model has no candidate. Other models are not touched by it."
+    remedy "leave method out, or add one of the methods of the model"
+    says format!("{model}: none of the methods asked for solves this model");
+
+    /// A method ended without a result: it reached its limit of work, or its computation failed.
+    CR530 NotSolved { model: String, method: String, reason: String }
+    bears on (About::Model(model.clone()), Weight::Slight)
+    decided "A fit may take the work of 250 million samples, some 2.5 s of one processor; searches with more starts or \
+             evaluations may take more in proportion. The fits of an ordinary record take a hundredth of it."
+    means "The model has no candidate by this method. Other models are not touched by it."
+    remedy "check units of mass, impact speed and pulse, or leave the model out of models"
+    says format!("{model} by {method}: {reason}");
+
+    /// The fit window holds too few samples for a fit.
+    CR531 TooCoarse { model: String, method: String, samples: usize, from_s: f64, to_s: f64, needed: usize }
+    bears on (About::Model(model.clone()), Weight::Slight)
+    decided "Samples between the ends of the fit window are counted; the sentence has how many a fit needs. Records of \
+             event data recorders have few."
+    means "The model has no fitted candidate. Closed forms need the events only, and hold."
+    remedy "widen the window (fit_from, fit_to), or use the closed forms"
+    says {
+        let (samples, from_s, to_s, needed) = (*samples, *from_s, *to_s, *needed);
+        let error = SolveError::TooFewSamples { samples, from_s, to_s, needed };
+        format!("{model}: not fitted by {method}: {error}")
+    };
+
+    /// A set of parameters is left out: one of them is infinite or no number.
+    CR532 BeyondNumbers { id: String }
+    bears on (About::Model(id.clone()), Weight::Slight)
+    decided "Every parameter of a candidate is to be finite. Extreme events lead beyond."
+    means "The set is no result. Other candidates are not touched by it."
+    remedy "check mass, impact speed and unit of the pulse"
+    says format!("{id}: left out, a parameter is beyond the range of numbers");
+
+    /// The vehicle does not move towards the barrier after contact.
+    CR533 NowherePositive { model: String }
+    bears on (About::Model(model.clone()), Weight::Slight)
+    decided "The record has no dynamic crush. The largest displacement between contact and the end of the fit window \
+             is not above zero, or the window ends at contact."
+    means "There is no crush that a model could be fitted to."
+    remedy "check the sign of the pulse, time zero and the end of the window (fit_to)"
+    says format!("{model}: not fitted, the displacement is nowhere positive after time zero");
+
+    /// The vehicle does not stop within the record: there is no dynamic crush.
+    CR534 NeverStops { model: String, to_s: Option<f64>, largest_m: Option<f64> }
+    bears on (About::Model(model.clone()), Weight::Slight)
+    decided "The velocity does not reach zero. The largest displacement of the fit window takes the place of the \
+             crush; models of several masses are fitted up to the end of the record."
+    means "The model follows the record within the window. Its crush and its rebound beyond are extrapolated."
+    remedy "use a longer record; else state where the impact ends: fit_to"
+    says match to_s.zip(*largest_m) {
+        Some((to_s, largest_m)) => format!(
+            "{model}: the velocity of the record never reaches zero: fitted up to {:.2} ms, the end of the window, \
+             with the largest displacement {:.1} mm in place of the dynamic crush",
+            1e3 * to_s,
+            1e3 * largest_m
+        ),
+        None => format!("{model}: fitted up to the end of the record, since there is no dynamic crush"),
+    };
+
+    /// A method needs the dynamic crush, and the vehicle does not stop within the record.
+    CR535 NoDynamicCrush { model: String, method: String }
+    bears on (About::Model(model.clone()), Weight::Slight)
+    decided "The method works with depth and time of the dynamic crush. The velocity does not reach zero."
+    means "The model has no candidate by this method. Fits to the motion are not touched by it."
+    remedy "fit the model to the motion: method = [\"direct-fit\"]"
+    says format!(
+        "{model}: not solved: the velocity never reaches zero, so there is no dynamic crush for {method}. Use \
+         direct-fit"
+    );
+
+    /// No start of a fit led to a motion that could be computed.
+    CR536 NoFiniteResponse { model: String, starts: usize }
+    bears on (About::Model(model.clone()), Weight::Slight)
+    decided "The motion of the model is computed from each start; a start counts where all of it is finite."
+    means "The model has no candidate by this method. Other models are not touched by it."
+    remedy "check units of mass, impact speed and pulse"
+    says format!("{model}: {}", SolveError::NoFit { starts: *starts });
 }
 
 #[cfg(test)]

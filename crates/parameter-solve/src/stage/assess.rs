@@ -6,7 +6,7 @@ use crumple_lumped_fit::{
     propagate,
 };
 use crumple_numerics::estimation::work::determined;
-use crumple_signal::{About, Weight};
+use crumple_signal::{About, Weight, remarks};
 use crumple_stage::Output;
 use crumple_stage::records::EventsV1;
 use rayon::prelude::*;
@@ -44,20 +44,14 @@ pub fn assess_all(
         return Ok(());
     };
     if events.dynamic_crush_m.is_none() {
-        out.notes().info(
-            "the vehicle does not stop within the record: models are assessed over the fit window, and their \
-             unloading is not identifiable",
-        );
+        out.notes().push(AssessedOverTheWindow {});
     }
     settings.assessment.check(Some(record.mass_kg), record.impact_speed_m_per_s)?;
     let end = (0.0, displacement.end_s());
     let speed = record.impact_speed_m_per_s;
     let whole = Observation::new(displacement, *measurement, speed, end, usize::MAX).ok();
     if measurement.is_exact() {
-        out.notes().info(
-            "the filter of the record is not known here (the artifact of filter is not given, or the channel \
-             came filtered): models are fitted as if the displacement had none",
-        );
+        out.notes().push(FilterNotKnown {});
     }
     let scene = Assessor { settings, events, whole, mass_kg: record.mass_kg, crush_m };
     assess_each(candidates, &settings.assessment, out, |candidate| scene.assess(candidate));
@@ -86,9 +80,7 @@ pub fn assess_each(
         .collect();
     for (candidate, assessed) in candidates.iter_mut().zip(assessed) {
         candidate.assessed = assessed.unwrap_or_else(|reason| {
-            let id = candidate.id();
-            let text = format!("{id}: how well its parameters are known is {reason}");
-            out.notes().concern(About::Model(id), Weight::Marked, text);
+            out.notes().push(NotAssessed { id: candidate.id(), reason: reason.to_string() });
             None
         });
     }
@@ -175,42 +167,26 @@ impl Assessor<'_> {
     /// One remark for each thing that was asked for and does not belong to the values of a candidate.
     fn note_what_is_left_out(&self, candidates: &[Candidate], out: &mut Output) {
         let asked = &self.settings.assessment;
-        let flags: Vec<&str> =
-            asked.flags().into_iter().filter(|flag| ["--profile", "--bootstrap"].contains(flag)).collect();
+        let asked_for = |which: &dyn Fn(&str) -> bool| -> Vec<String> {
+            asked.flags().into_iter().filter(|flag| which(flag)).map(str::to_owned).collect()
+        };
+        let flags = asked_for(&|flag| ["--profile", "--bootstrap"].contains(&flag));
         let assessed = || candidates.iter().filter_map(|candidate| Some((candidate, candidate.assessed.as_ref()?)));
         let elsewhere = assessed().filter(|(candidate, _)| !candidate.is_at_minimum());
         let elsewhere: Vec<String> = elsewhere.map(|(candidate, _)| candidate.id()).collect();
         if !flags.is_empty() && !elsewhere.is_empty() {
-            out.notes().info(format!(
-                "{} not computed for {}: profile and bootstrap start at the minimum of a fit through the filter, and \
-                 these values are not that minimum",
-                flags.join(" and "),
-                elsewhere.join(", ")
-            ));
+            out.notes().push(NotAtTheMinimum { flags, candidates: elsewhere });
         }
         let largest = asked.inputs.distributions[3].largest() * asked.inputs.contact_s;
         for (candidate, assessed) in assessed() {
             if assessed.propagation.is_some() && largest > ONE_MINIMUM_S && is_conditioned(candidate) {
-                out.notes().concern(About::Model(candidate.id()), Weight::Marked, format!(
-                    "{}: its repetitions start at its own minimum; with time zero more than {} ms off, another minimum \
-                     can be lower: the propagated intervals are those of one minimum and may be too narrow",
-                    candidate.id(),
-                    1e3 * ONE_MINIMUM_S
-                ));
+                out.notes().push(OneMinimum { id: candidate.id(), beyond_s: ONE_MINIMUM_S });
             }
         }
-        let inputs: Vec<&str> = asked.flags().into_iter().filter(|flag| flag.ends_with("-uncertainty")).collect();
+        let inputs = asked_for(&|flag| flag.ends_with("-uncertainty"));
         for (candidate, assessed) in assessed() {
             if !inputs.is_empty() && assessed.propagation.is_none() {
-                out.notes().concern(
-                    About::Model(candidate.id()),
-                    Weight::Slight,
-                    format!(
-                        "{}: {} not propagated, its estimator cannot be repeated from this record",
-                        candidate.id(),
-                        inputs.join(", ")
-                    ),
-                );
+                out.notes().push(NotPropagated { id: candidate.id(), inputs: inputs.clone() });
             }
         }
     }
@@ -222,4 +198,74 @@ fn is_conditioned(candidate: &Candidate) -> bool {
         && matches!(candidate.model, Model::Nonlinear1(_))
         && !candidate.is_of_sensors()
         && !candidate.is_at_minimum()
+}
+
+remarks! {
+    /// Remarks of how well parameters are known.
+    pub REMARKS;
+
+    /// The vehicle does not stop within the record, so that no unloading shows.
+    CR537 AssessedOverTheWindow {}
+    bears on (About::Model(String::new()), Weight::None)
+    decided "The events have no dynamic crush."
+    means "Intervals hold for the loading within the fit window. Unloading and rebound are not known."
+    remedy "nothing; a longer record shows the rebound"
+    says "the vehicle does not stop within the record: models are assessed over the fit window, and their unloading is \
+          not identifiable";
+
+    /// How the displacement was filtered is not known.
+    CR538 FilterNotKnown {}
+    bears on (About::Model(String::new()), Weight::None)
+    decided "No input says how the pulse was filtered before it was integrated."
+    means "Models are compared with the displacement as it is. What a filter took off is taken for the vehicle."
+    remedy "give the artifact of filter too"
+    says "the filter of the record is not known here (the artifact of filter is not given, or the channel came \
+          filtered): models are fitted as if the displacement had none";
+
+    /// How well the parameters of a candidate are known could not be computed.
+    CR539 NotAssessed { id: String, reason: String }
+    bears on (About::Model(id.clone()), Weight::Marked)
+    decided "The computation failed or reached its limit: the work of 250 million samples for each fit that intervals, \
+             profile, bootstrap and repetitions ask for. An ordinary record takes a hundredth of it."
+    means "The parameters have no intervals: they may be known well or not at all."
+    remedy "leave profile and bootstrap out, or use another candidate"
+    says format!("{id}: how well its parameters are known is {reason}");
+
+    /// Profile and bootstrap were asked for and are not computed for some candidates.
+    CR540 NotAtTheMinimum { flags: Vec<String>, candidates: Vec<String> }
+    bears on (About::Model(String::new()), Weight::None)
+    decided "Closed forms and methods of papers end elsewhere than at the least misfit through the filter of the \
+             record."
+    means "These candidates have the linearised intervals."
+    remedy "nothing; candidates of direct-fit have profile and bootstrap"
+    says format!(
+        "{} not computed for {}: profile and bootstrap start at the minimum of a fit through the filter, and these \
+         values are not that minimum",
+        flags.join(" and "),
+        candidates.join(", ")
+    );
+
+    /// Time zero is so uncertain that the first nonlinear model may have another minimum.
+    CR541 OneMinimum { id: String, beyond_s: f64 }
+    bears on (About::Model(id.clone()), Weight::Marked)
+    decided "The values meet conditions at dynamic crush, and the largest drawn shift of time zero is above 0.25 ms."
+    means "The propagated intervals may be too narrow."
+    remedy "state time zero more exactly, or use the intervals of another model"
+    says format!(
+        "{id}: its repetitions start at its own minimum; with time zero more than {} ms off, another minimum can be \
+         lower: the propagated intervals are those of one minimum and may be too narrow",
+        1e3 * beyond_s
+    );
+
+    /// Stated uncertainties of inputs are not propagated to the parameters of a candidate.
+    CR542 NotPropagated { id: String, inputs: Vec<String> }
+    bears on (About::Model(id.clone()), Weight::Slight)
+    decided "A fit at its least misfit is repeated with drawn inputs, and so is a closed form of the events. Values of \
+             other methods are not, and neither are those whose repetitions fail."
+    means "The candidate has no propagated intervals. Its other intervals stand."
+    remedy "use a candidate that is fitted to the motion"
+    says format!(
+        "{id}: {} not propagated, its estimator cannot be repeated from this record",
+        inputs.join(", ")
+    );
 }

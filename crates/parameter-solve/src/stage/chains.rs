@@ -5,7 +5,7 @@ use crumple_lumped_fit::{
     Candidate, Observation, ObservedWave, SensorPlace, Stated, StatedChain, StatedElement, StatedMass,
 };
 use crumple_numerics::estimation::work::determined;
-use crumple_signal::{About, Note, Weight};
+use crumple_signal::{About, Note, Weight, remarks};
 use crumple_stage::records::EventsV1;
 use crumple_stage::{
     Inputs, NumberOfTable, Output, RefuseExt, Refused, TakenNumbers, option, read_chain, total_mass_remark,
@@ -13,6 +13,7 @@ use crumple_stage::{
 use serde::Serialize;
 use toml::Value;
 
+use crate::stage::AtSearchLimit;
 use crate::stage::assess::{assess_each, assess_fit};
 use crate::stage::inputs::{see, sensor_wave, stated_places};
 use crate::stage::settings::StageSettings;
@@ -105,8 +106,7 @@ pub fn fit_chains(
         let (stated, starts) = (chain.stated(total_kg), settings.solve.fit_starts);
         let limited = observed.clone().limited(settings.solve.searches());
         let fitted = determined(|| stated.fit(&limited, starts)).unwrap_or_else(|reason| {
-            let about = About::Model(format!("chain/{}", chain.name));
-            out.notes().concern(about, Weight::Marked, format!("chain {}: {reason}", chain.name));
+            out.notes().push(ChainNotFitted { chain: chain.name.clone(), reason: reason.to_string() });
             Ok(Vec::new())
         });
         let mut fitted = fitted.refuse_with_hint(hint)?;
@@ -115,10 +115,12 @@ pub fn fit_chains(
         let asked = &settings.assessment;
         assess_each(&mut fitted, asked, out, |candidate| assess_fit(candidate, asked, Some(mass_kg(candidate))));
         warn_of_what_is_undecided(chain, &fitted, out);
-        if let Some(text) = total_kg.zip(fitted.first()).and_then(|(kg, c)| total_mass_remark(&c.model.masses_kg(), kg))
+        if let Some((test_kg, best)) = total_kg.zip(fitted.first())
+            && total_mass_remark(&best.model.masses_kg(), test_kg).is_some()
         {
-            let text = format!("chain {}: {text}", chain.name);
-            out.notes().concern(About::Mass, Weight::Marked, text);
+            let (chain, chain_kg) = (chain.name.clone(), best.model.masses_kg().iter().sum::<f64>());
+            let difference_percent = 100.0 * (chain_kg / test_kg - 1.0);
+            out.notes().push(ChainOfAnotherMass { chain, chain_kg, test_kg, difference_percent });
         }
         for candidate in &mut fitted {
             note_what_is_missing(candidate, settings, out);
@@ -142,8 +144,7 @@ fn note_what_is_missing(candidate: &Candidate, settings: &StageSettings, out: &m
         ("repeated with uncertain inputs", asked.inputs.any() && !repeated),
     ];
     for (what, _) in without.iter().filter(|(_, missing)| *missing) {
-        let text = format!("{}: not {what}, too few fits near its minimum converged", candidate.id());
-        out.notes().concern(About::Model(candidate.id()), Weight::Slight, text);
+        out.notes().push(NotComputed { id: candidate.id(), what: (*what).to_owned() });
     }
 }
 
@@ -156,44 +157,52 @@ fn name_sensors(candidate: &mut Candidate, sensors: &[Sensor]) {
 /// Warnings on what the record does not decide.
 fn warn_of_what_is_undecided(chain: &FittedChain, fitted: &[Candidate], out: &mut Output) {
     let duals = fitted.iter().filter(|candidate| candidate.equivalent_to.is_some()).count() / 2;
-    let sets = fitted.len() - duals;
-    let about = || About::Model(format!("chain/{}", chain.name));
-    let mut warn = |text: String| {
-        out.notes().concern(about(), Weight::Marked, format!("chain {}: {text}", chain.name));
-    };
+    let (sets, notes) = (fitted.len() - duals, out.notes());
+    let chain = || chain.name.clone();
     if sets > 1 {
-        warn(format!("the parameters are not identifiable from this record: {sets} sets fit within 1 % of the best"));
+        notes.push(SeveralSetsOfChain { chain: chain(), sets });
     }
     let Some(best) = fitted.first() else { return };
-    [unidentified(best), on_bound(best), dual(best)].into_iter().flatten().for_each(&mut warn);
-    if best.division_undecided {
-        warn(DIVISION.to_owned());
+    if let Some(Unidentified { directions, free, names, weakest }) = Unidentified::of(best) {
+        notes.push(ChainNotIdentified { chain: chain(), directions, free, names, weakest });
     }
-}
-
-fn on_bound(candidate: &Candidate) -> Option<String> {
-    let bounds = &candidate.fit.as_ref()?.active_bounds;
-    let text = || format!("parameters at a search limit, not identifiable from this record: {}", bounds.join(", "));
-    (!bounds.is_empty()).then(text)
+    if let Some(fit) = best.fit.as_ref().filter(|fit| !fit.active_bounds.is_empty()) {
+        notes.push(AtSearchLimit { id: format!("chain/{}", chain()), names: fit.active_bounds.join(", ") });
+    }
+    if let Some((dual, springs)) = dual_of(best) {
+        notes.push(DualOfChain { chain: chain(), dual, springs });
+    }
+    if best.division_undecided {
+        notes.push(DivisionUndecided { chain: chain() });
+    }
 }
 
 /// The note where masses were fitted to one sensor on the last mass.
 const DIVISION: &str = "masses were fitted to a sensor on the last mass alone: with any noise the record does not \
     determine how they divide; give a mass, or name a sensor on another mass with --sensors";
 
-/// What the dual is, in words.
-fn dual(candidate: &Candidate) -> Option<String> {
-    let same = "the same masses and the same motion of the last one";
+/// The dual of a chain: the id of its candidate, or its springs and dampers where it is left out.
+fn dual_of(candidate: &Candidate) -> Option<(Option<String>, Vec<String>)> {
     if let Some(id) = candidate.equivalent_id() {
-        return Some(format!(
-            "its dual {id} has {same}: a sensor on the mass next to the barrier decides between them"
-        ));
+        return Some((Some(id), Vec::new()));
     }
     let other = candidate.excluded_dual.as_ref()?.parameters();
     let springs = other.iter().filter(|(name, _)| Chain::parameter_kind(name) != Some(ParameterKind::Mass));
-    let springs: Vec<String> = springs.map(|(name, value)| format!("{name} {value:.1}")).collect();
-    let springs = springs.join(", ");
-    Some(format!("its dual ({springs}) has {same} and is left out by what was given or by a bound, not by the record"))
+    Some((None, springs.map(|(name, value)| format!("{name} {value:.1}")).collect()))
+}
+
+/// What the dual is, in words.
+fn dual_in_words(id: Option<&str>, springs: &[String]) -> String {
+    let same = "the same masses and the same motion of the last one";
+    match id {
+        Some(id) => {
+            format!("its dual {id} has {same}: a sensor on the mass next to the barrier decides between them")
+        }
+        None => format!(
+            "its dual ({}) has {same} and is left out by what was given or by a bound, not by the record",
+            springs.join(", ")
+        ),
+    }
 }
 
 /// The waves to fit, and the sensors they are of.
@@ -217,10 +226,8 @@ fn waves(
         }
         let mass = if chain.has_occupant() { place.mass_before_occupant(masses) } else { place.mass(masses) };
         let Some(mass) = mass else {
-            out.notes().info(format!(
-                "chain {}: sensor {} is on the {place}, which this chain does not have: not fitted",
-                chain.name, sensor.channel
-            ));
+            let (chain, channel) = (chain.name.clone(), sensor.channel.clone());
+            out.notes().push(SensorOffTheChain { chain, channel, place: place.to_string() });
             continue;
         };
         let wave = sensor_wave(settings, input, events, sensor, mass_kg)?;
@@ -238,22 +245,36 @@ fn waves(
     Ok((Observation { impact_speed_m_per_s, waves }, sensors))
 }
 
-/// What the record does not identify, in words.
-fn unidentified(candidate: &Candidate) -> Option<String> {
-    let assessment = &candidate.assessed.as_ref()?.assessment;
-    let without = assessment.interval.iter().filter(|(_, ends)| **ends == (None, None));
-    let without: Vec<&str> = without.map(|(name, _)| name.as_str()).collect();
-    if without.is_empty() {
-        return None;
+/// What the record does not identify.
+struct Unidentified {
+    /// Directions that the record determines, of so many free numbers.
+    directions: usize,
+    free: usize,
+    /// Those without an interval.
+    names: Vec<String>,
+    /// The direction determined least, in words, where one is not determined.
+    weakest: Option<String>,
+}
+
+impl Unidentified {
+    fn of(candidate: &Candidate) -> Option<Self> {
+        let assessment = &candidate.assessed.as_ref()?.assessment;
+        let without = assessment.interval.iter().filter(|(_, ends)| **ends == (None, None));
+        let names: Vec<String> = without.map(|(name, _)| name.clone()).collect();
+        let (directions, free) = (assessment.rank, assessment.parameters.len());
+        let weakest = assessment.weakest_direction.clone().filter(|_| directions < free);
+        (!names.is_empty()).then_some(Self { directions, free, names, weakest })
     }
-    let weakest = assessment.weakest_direction.as_ref().filter(|_| assessment.rank < assessment.parameters.len());
-    let weakest = weakest.map_or_else(String::new, |words| format!("; {words}"));
-    Some(format!(
-        "the record determines {} directions of {} free numbers; without an interval: {}{weakest}",
-        assessment.rank,
-        assessment.parameters.len(),
-        without.join(", ")
-    ))
+
+    fn in_words(&self) -> String {
+        let Self { directions, free, names, weakest } = self;
+        let weakest = weakest.as_ref().map_or_else(String::new, |words| format!("; {words}"));
+        let names = names.join(", ");
+        format!(
+            "the record determines {directions} directions of {free} free numbers; without an interval: \
+             {names}{weakest}"
+        )
+    }
 }
 
 /// What stands in the record of a fitted chain, in words.
@@ -285,11 +306,94 @@ fn notes(
     if !fit.active_bounds.is_empty() {
         notes.push(format!("parameters at a search limit, not identifiable: {}", fit.active_bounds.join(", ")));
     }
-    notes.extend(unidentified(candidate));
-    notes.extend(dual(candidate));
+    notes.extend(Unidentified::of(candidate).map(|left| left.in_words()));
+    notes.extend(dual_of(candidate).map(|(id, springs)| dual_in_words(id.as_deref(), &springs)));
     notes.extend(candidate.division_undecided.then(|| DIVISION.to_owned()));
     notes.extend(total_kg.and_then(|kg| total_mass_remark(&candidate.model.masses_kg(), kg)));
     notes
+}
+
+remarks! {
+    /// Remarks of stated chains.
+    pub REMARKS;
+
+    /// The fit of a stated chain reached its limit of work, or its computation failed.
+    CR543 ChainNotFitted { chain: String, reason: String }
+    bears on (About::Model(format!("chain/{chain}")), Weight::Marked)
+    decided "A fit may take the work of 250 million samples, some 2.5 s of one processor, and searches with more \
+             evaluations in proportion. The fits of an ordinary record take a hundredth of it."
+    means "The chain has no candidate. Other chains and models are not touched by it."
+    remedy "give some of its numbers, or bound those that are free"
+    says format!("chain {chain}: {reason}");
+
+    /// The masses of a chain do not add up to the mass of the test.
+    CR544 ChainOfAnotherMass { chain: String, chain_kg: f64, test_kg: f64, difference_percent: f64 }
+    bears on (About::Mass, Weight::Marked)
+    decided "The sum of the masses is compared with the mass of the test; 1 % is left."
+    means "Stiffness, forces and energies go with the mass. They hold for the masses of the chain, not for the test."
+    remedy "make one of the masses \"rest\" in the pipeline file, or correct the mass of the test"
+    says {
+        let text = total_mass_remark(&[*chain_kg], *test_kg).unwrap_or_default();
+        format!("chain {chain}: {text}")
+    };
+
+    /// Profile, bootstrap or repetitions of a chain were asked for and gave no result.
+    CR545 NotComputed { id: String, what: String }
+    bears on (About::Model(id.clone()), Weight::Slight)
+    decided "Each needs fits near the minimum that converge; too few did."
+    means "The linearised intervals are all there is. They may be too narrow."
+    remedy "give some of the numbers of the chain, or name further sensors"
+    says format!("{id}: not {what}, too few fits near its minimum converged");
+
+    /// Several sets of parameters of a chain follow the record as well as the best one.
+    CR546 SeveralSetsOfChain { chain: String, sets: usize }
+    bears on (About::Model(format!("chain/{chain}")), Weight::Marked)
+    decided "Sets count whose errors are within 1 % of the least; a dual pair counts once."
+    means "The motion of the chain holds where sensors are. Any of the sets may be the vehicle."
+    remedy "give some of its numbers, or name sensors on further masses"
+    says format!(
+        "chain {chain}: the parameters are not identifiable from this record: {sets} sets fit within 1 % of the best"
+    );
+
+    /// Free numbers of a chain have no interval: the record does not identify them.
+    CR547 ChainNotIdentified {
+        chain: String, directions: usize, free: usize, names: Vec<String>, weakest: Option<String>
+    }
+    bears on (About::Model(format!("chain/{chain}")), Weight::Marked)
+    decided "The number of directions is the rank of the sensitivities at the minimum. A number is named where its 95 \
+             % interval is open on both sides."
+    means "Other values of these numbers follow the record as well. Quote no value for them."
+    remedy "give them in the pipeline file, or name sensors on further masses"
+    says {
+        let (directions, free) = (*directions, *free);
+        let left = Unidentified { directions, free, names: names.clone(), weakest: weakest.clone() };
+        format!("chain {chain}: {}", left.in_words())
+    };
+
+    /// A chain of two masses has a dual with the same motion of the last mass.
+    CR548 DualOfChain { chain: String, dual: Option<String>, springs: Vec<String> }
+    bears on (About::Model(format!("chain/{chain}")), Weight::Marked)
+    decided "Two masses with constant springs and dampers have two sets of them with one motion of the last mass \
+             (docs/methods/parameter-solve.md)."
+    means "Motion and crush hold. The record does not tell which springs and dampers the vehicle has."
+    remedy "name a sensor on the mass next to the barrier: sensors"
+    says format!("chain {chain}: {}", dual_in_words(dual.as_deref(), springs));
+
+    /// Masses of a chain were fitted, and one sensor does not show how they divide.
+    CR549 DivisionUndecided { chain: String }
+    bears on (About::Model(format!("chain/{chain}")), Weight::Marked)
+    decided "Masses are free, and all sensors are on the last mass."
+    means "Any division of the mass follows the record: quote none of the masses. The chain is not recommended."
+    remedy "give a mass, or name a sensor on another mass: sensors"
+    says format!("chain {chain}: {DIVISION}");
+
+    /// A sensor is on a part that the chain does not have.
+    CR550 SensorOffTheChain { chain: String, channel: String, place: String }
+    bears on (About::Model(String::new()), Weight::None)
+    decided "The place of the sensor is looked for among the masses of the chain."
+    means "The chain is fitted without this sensor."
+    remedy "nothing, or state the mass in the chain"
+    says format!("chain {chain}: sensor {channel} is on the {place}, which this chain does not have: not fitted");
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The test as candidates are compared with it, read from the artifacts; and what a candidate carries of it.
 
 use crumple_lumped_fit::{Comparison, Evaluation, FitQuantity, Measured, MeasuredTest, SensorPlace};
-use crumple_signal::Notes;
+use crumple_signal::{About, Notes, Weight, remarks};
 use crumple_stage::Inputs;
 use crumple_stage::records::{EvaluationV1, EventsV1};
 
@@ -45,7 +45,7 @@ pub fn measured_test(
         let displacement = displacement_of(input, events, channel)?;
         let displacement = displacement.as_ref().map(|(wave, steps)| Measured { wave, measurement: *steps });
         if test.add_sensor((channel, *place), acceleration, displacement).is_err() {
-            notes.warning(format!("channel {channel} is zero throughout: it does not take part in the choice"));
+            notes.push(ZeroThroughout { channel: channel.clone() });
         }
     }
     let force = input.wall_force()?;
@@ -70,4 +70,17 @@ pub fn evaluation_record(comparison: &Comparison, evaluations: &[Evaluation]) ->
         worst_sensor_fit_percent: evaluation.worst_sensor.as_ref().map(|(_, fit)| *fit),
         crush_error_at_lower_speeds: evaluation.crush_error_at_lower_speeds,
     })
+}
+
+remarks! {
+    /// Remarks of the comparison with the test.
+    pub REMARKS;
+
+    /// A sensor on another mass than the compartment recorded nothing but zeros.
+    CR551 ZeroThroughout { channel: String }
+    bears on (About::Channel(channel.clone()), Weight::Slight)
+    decided "All samples of its acceleration between contact and dynamic crush are zero."
+    means "Candidates are chosen by the other sensors."
+    remedy "leave the channel out of sensors, or take another one of that place"
+    says format!("channel {channel} is zero throughout: it does not take part in the choice");
 }

@@ -2,9 +2,11 @@
 
 use crumple_lumped::{Complex, ModelKind, RealisedModel};
 use crumple_lumped_fit::{
-    Candidate, CoefficientSpread, Identified, MassSplit, Method, Quartic, curve_fit_of_the_paper, maxwell_from_sum,
+    Candidate, CoefficientSpread, Identified, MassSplit, MassesTaken, Method, Quartic, curve_fit_of_the_paper,
+    maxwell_from_sum,
 };
 use crumple_numerics::lti::{eigenvalues, matrix_logarithm};
+use crumple_signal::{About, Weight, remarks};
 use crumple_stage::records::{EvidenceV1, ExponentialSumV1, ModesV2, StateSpaceV1, TransferFunctionV1};
 use crumple_stage::{Inputs, Output, RefuseExt, Refused, flag, option, program};
 
@@ -77,22 +79,20 @@ pub fn maxwell_candidates(
     }
     let sums = input.records::<ExponentialSumV1>("/model/")?;
     if sums.is_empty() {
-        let text = "maxwell: no closed form, none of the inputs holds a sum of exponentials (--set \
-            identify.methods=exponentials --set identify.terms=3)";
         if settings
             .solve
             .methods
             .iter()
             .any(|method| *method != Method::ClosedForm && method.solves(ModelKind::Maxwell))
         {
-            out.notes().info(text);
+            out.notes().push(OtherWayForMaxwell {});
         } else {
-            out.notes().warning(text);
+            out.notes().push(NoSumForMaxwell {});
         }
         return Ok(candidates);
     }
     let Some(mass_kg) = mass_kg else {
-        out.notes().warning("maxwell: no closed form, the test has no mass (--mass 873kg)");
+        out.notes().push(NoMassForMaxwell {});
         return Ok(candidates);
     };
     for (id, sum) in sums {
@@ -100,7 +100,7 @@ pub fn maxwell_candidates(
             sum.terms.iter().map(|term| Complex::new(term.re_per_s, term.im_rad_per_s)).collect();
         match maxwell_from_sum(&id, &exponents, mass_kg, candidates.len() + 1) {
             Ok(candidate) => candidates.push(candidate),
-            Err(error) => out.notes().warning(format!("maxwell: not from {id}: {error}")),
+            Err(error) => out.notes().push(NotAMaxwell { id, reason: error.to_string() }),
         }
     }
     Ok(candidates)
@@ -132,24 +132,21 @@ pub fn from_exponentials(
     for (id, sum) in sums {
         let real = sum.terms.iter().all(|term| term.im_rad_per_s == 0.0);
         let [a, b, c, d] = &sum.terms[..] else {
-            out.notes().warning(format!("curve-fit: {id} has {} terms, the paper's form has four", sum.terms.len()));
+            out.notes().push(NotThePapersForm { id, terms: sum.terms.len() });
             continue;
         };
         if !real {
-            out.notes().warning(format!(
-                "curve-fit: {id} has a damped wave, the paper's form has four real exponents (--real at \
-                 identify); coefficient-matching takes any"
-            ));
+            out.notes().push(NotThePapersForm { id, terms: sum.terms.len() });
             continue;
         }
         let exponents = [a, b, c, d].map(|term| term.re_per_s);
         let amplitudes = [a, b, c, d].map(|term| term.re_amplitude);
         match curve_fit_of_the_paper(&id, &exponents, &amplitudes, m1_kg, m2_kg, candidates.len() + 1) {
             Ok(candidate) => {
-                out.notes().warning(format!("{}: as the ERA paper prints it, for reproduction only", candidate.id()));
+                out.notes().push(ForReproduction { id: candidate.id() });
                 candidates.push(candidate);
             }
-            Err(error) => out.notes().warning(format!("curve-fit: {id}: {error}")),
+            Err(error) => out.notes().push(NoCurveFit { id, reason: error.to_string() }),
         }
     }
     Ok(candidates)
@@ -274,6 +271,80 @@ pub fn given_masses(settings: &StageSettings, mass_kg: Option<f64>, out: &mut Ou
         }
     };
     let (m1_kg, m2_kg, split) = settings.solve.split.masses(mass_kg).refuse_with_hint(see(&["m1", "m2"]))?;
-    out.notes().info(split);
+    out.notes().push(MassesTaken { model: None, reason: split });
     Ok((m1_kg, m2_kg))
+}
+
+/// What is said where no input has what the closed form of the Maxwell model is made from.
+const NO_SUM: &str = "maxwell: no closed form, none of the inputs holds a sum of exponentials (--set \
+    identify.methods=exponentials --set identify.terms=3)";
+
+remarks! {
+    /// Remarks of candidates from identified models.
+    pub REMARKS;
+
+    /// The Maxwell model is asked for from exponents, and no sum of exponentials was identified.
+    CR552 NoSumForMaxwell {}
+    bears on (About::Model(String::new()), Weight::Slight)
+    decided "Sums of exponentials are looked for below /model/. No other method that is asked for solves this model."
+    means "There is no Maxwell candidate."
+    remedy "let identify fit three exponentials (methods exponentials, terms 3), or add direct-fit to method"
+    says NO_SUM;
+
+    /// The Maxwell model is not found from exponents, and another method finds it.
+    CR553 OtherWayForMaxwell {}
+    bears on (About::Model(String::new()), Weight::None)
+    decided "Sums of exponentials are looked for below /model/. Another method that is asked for solves this model."
+    means "The other method makes the Maxwell candidate."
+    remedy "nothing"
+    says NO_SUM;
+
+    /// The Maxwell model is asked for from exponents, and the mass is not known.
+    CR554 NoMassForMaxwell {}
+    bears on (About::Model(String::new()), Weight::Slight)
+    decided "Exponents give stiffness and damping over the mass; neither the test nor --mass has it."
+    means "There is no Maxwell candidate from exponents."
+    remedy "state the mass: --mass 873kg"
+    says "maxwell: no closed form, the test has no mass (--mass 873kg)";
+
+    /// A sum of exponentials is not the motion of a Maxwell model.
+    CR555 NotAMaxwell { id: String, reason: String }
+    bears on (About::Model(String::new()), Weight::Slight)
+    decided "The displacement has a constant and two more exponents, real or conjugate, that decay (single-mass paper, \
+             equations 18 to 25). The sentence has what is missing."
+    means "This sum gives no candidate."
+    remedy "let identify fit three exponentials to the displacement, or use direct-fit"
+    says format!("maxwell: not from {id}: {reason}");
+
+    /// A sum of exponentials does not have the form that the curve fit of the ERA paper needs.
+    CR556 NotThePapersForm { id: String, terms: usize }
+    bears on (About::Model(String::new()), Weight::Slight)
+    decided "The paper's equations take four real exponents."
+    means "This sum gives no candidate of curve-fit."
+    remedy "use coefficient-matching; for the paper let identify fit with terms 4 and real"
+    says if *terms == 4 {
+        format!(
+            "curve-fit: {id} has a damped wave, the paper's form has four real exponents (--real at identify); \
+             coefficient-matching takes any"
+        )
+    } else {
+        format!("curve-fit: {id} has {terms} terms, the paper's form has four")
+    };
+
+    /// A candidate reproduces the equations of the ERA paper.
+    CR557 ForReproduction { id: String }
+    bears on (About::Model(String::new()), Weight::Slight)
+    decided "The method curve-fit is asked for: equations 17 to 25 of the paper, which do not follow from the model \
+             (docs/papers.md)."
+    means "The model does not have the exponents that it was made from. Its springs and dampers mean nothing."
+    remedy "use coefficient-matching with the same exponents"
+    says format!("{id}: as the ERA paper prints it, for reproduction only");
+
+    /// The curve fit of the ERA paper has no solution with a sum of exponentials.
+    CR558 NoCurveFit { id: String, reason: String }
+    bears on (About::Model(String::new()), Weight::Slight)
+    decided "Masses are to be positive and exponents to differ; the sentence has what is wrong."
+    means "This sum gives no candidate of curve-fit."
+    remedy "use coefficient-matching"
+    says format!("curve-fit: {id}: {reason}");
 }

@@ -1,7 +1,9 @@
 //! What the artifacts hold of a test, and its candidates from events and motion.
 
 use crumple_lumped_fit::{Candidate, FitQuantity, MassSplit, Sensor, SensorPlace, TestData, solve};
-use crumple_signal::{Acceleration, Displacement, Force, Measurement, Sampled, Signal, TestDescription, Velocity};
+use crumple_signal::{
+    About, Acceleration, Displacement, Force, Measurement, Sampled, Signal, TestDescription, Velocity, Weight, remarks,
+};
 use crumple_stage::records::EventsV1;
 use crumple_stage::{Inputs, Output, RefuseExt, Refused, flag, option, program};
 
@@ -171,12 +173,12 @@ impl Record {
     ) -> anyhow::Result<Self> {
         let mass_kg = match (settings.mass_kg, test.mass_kg, settings.solve.split) {
             (Some(given), Some(tested), _) => {
-                out.notes().info(format!("mass {given} kg given by flag instead of the test's {tested} kg"));
+                out.notes().push(MassByFlag { given_kg: given, tested_kg: tested });
                 given
             }
             (Some(mass), ..) | (None, Some(mass), _) => mass,
             (None, None, MassSplit::Both(m1, m2)) => {
-                out.notes().info(format!("the test has no mass; taken as m1 + m2 = {} kg", m1 + m2));
+                out.notes().push(MassOfParts { mass_kg: m1 + m2 });
                 m1 + m2
             }
             (None, None, _) => {
@@ -253,11 +255,8 @@ pub fn up_to_the_end_of_the_event(
 ) -> Option<StageSettings> {
     let open = settings.solve.fit_to_s.is_none() && events.time_of_dynamic_crush_s.is_none();
     let end_s = events.end_of_event_s.filter(|end_s| open && *end_s > settings.solve.fit_from_s)?;
-    out.notes().info(format!(
-        "the velocity never reaches zero: fitted up to the end of the event at {:.1} ms ({}). --fit-to changes it",
-        1e3 * end_s,
-        events.end_of_event_rule.as_deref().unwrap_or("rule not stated")
-    ));
+    let rule = events.end_of_event_rule.clone().unwrap_or_else(|| "rule not stated".to_owned());
+    out.notes().push(FittedToTheEndOfTheEvent { end_s, rule });
     let mut settings = settings.clone();
     settings.solve.fit_to_s = Some(end_s);
     Some(settings)
@@ -310,4 +309,38 @@ pub fn test_data<'a>(record: &'a Record, events: &EventsV1, sensors: &'a [Sensor
 fn restitution(events: &EventsV1) -> Option<f64> {
     let holds_zero = events.intervals.iter().any(|i| i.name == "coefficient_of_restitution" && i.low <= 0.0);
     events.coefficient_of_restitution.map(|e| if holds_zero { 0.0 } else { e })
+}
+
+remarks! {
+    /// Remarks of what artifacts hold of a test.
+    pub REMARKS;
+
+    /// Another mass is given than the test has.
+    CR559 MassByFlag { given_kg: f64, tested_kg: f64 }
+    bears on (About::Mass, Weight::None)
+    decided "--mass goes before the mass of the test."
+    means "Springs and dampers are made with the given mass. The forces of integrate are made with the mass of the \
+           test."
+    remedy "state the mass at ingest, so that all stages have it: --mass"
+    says format!("mass {given_kg} kg given by flag instead of the test's {tested_kg} kg");
+
+    /// The test has no mass, and the masses of both parts are given.
+    CR560 MassOfParts { mass_kg: f64 }
+    bears on (About::Mass, Weight::None)
+    decided "The mass is the sum of m1 and m2."
+    means "All models are solved with this mass."
+    remedy "state the mass at ingest, so that all stages have it: --mass"
+    says format!("the test has no mass; taken as m1 + m2 = {mass_kg} kg");
+
+    /// The vehicle does not stop within the record: models are fitted until the end of the event.
+    CR561 FittedToTheEndOfTheEvent { end_s: f64, rule: String }
+    bears on (About::Model(String::new()), Weight::None)
+    decided "The events have no dynamic crush, and fit_to is not stated. The rule of the sentence says how integrate \
+             found the end of the event."
+    means "What happens later does not change the models. They have no dynamic crush to be compared with."
+    remedy "nothing, or state where the impact ends: fit_to"
+    says format!(
+        "the velocity never reaches zero: fitted up to the end of the event at {:.1} ms ({rule}). --fit-to changes it",
+        1e3 * end_s
+    );
 }

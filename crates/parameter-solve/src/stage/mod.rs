@@ -13,8 +13,11 @@ mod several_tests;
 
 use std::path::PathBuf;
 
-use crumple_lumped_fit::{Candidate, MassSplit, Method, match_as_the_paper_typed};
-use crumple_signal::{About, TestDescription, Weight};
+use crumple_lumped_fit::{
+    CLOSED_FORM_REMARKS, Candidate, JOINT_REMARKS, LOAD_PATH_REMARKS, MATCHING_REMARKS, MassSplit, Method,
+    PLACE_REMARKS, SENSOR_REMARKS, SINGLE_MASS_REMARKS, SOLVE_REMARKS, match_as_the_paper_typed,
+};
+use crumple_signal::{About, Kind, TestDescription, Weight, remarks};
 use crumple_stage::records::{EventsV1, TestV1};
 use crumple_stage::{Inputs, LeftOut, Loaded, Outcome, Output, Stage, Tests};
 
@@ -44,6 +47,23 @@ impl Stage for ParameterSolve {
         value: "",
         instead: "give it to ingest; it is propagated where mass-uncertainty, speed-uncertainty or bias-uncertainty is",
     }];
+    const REMARKS: &'static [&'static [&'static Kind]] = &[
+        JOINT_REMARKS,
+        MATCHING_REMARKS,
+        CLOSED_FORM_REMARKS,
+        PLACE_REMARKS,
+        LOAD_PATH_REMARKS,
+        SENSOR_REMARKS,
+        SINGLE_MASS_REMARKS,
+        SOLVE_REMARKS,
+        assess::REMARKS,
+        chains::REMARKS,
+        comparison::REMARKS,
+        identified::REMARKS,
+        inputs::REMARKS,
+        REMARKS,
+        several_tests::REMARKS,
+    ];
     type Options = Options;
     type Settings = StageSettings;
     type Input = Tests;
@@ -161,15 +181,11 @@ fn of_identified_models(
 /// Warns of flags on uncertainty that have no effect on candidates that follow no motion. A failed assessment
 /// has its own note.
 fn warn_of_flags_without_effect(settings: &StageSettings, candidates: &[Candidate], out: &mut Output) {
-    let flags = settings.assessment.flags();
+    let flags: Vec<String> = settings.assessment.flags().into_iter().map(str::to_owned).collect();
     let unassessed = candidates.iter().filter(|candidate| candidate.assessed.is_none() && candidate.minimum.is_none());
     let unassessed: Vec<String> = unassessed.map(Candidate::id).collect();
     if !flags.is_empty() && !unassessed.is_empty() {
-        out.notes().warning(format!(
-            "{} without effect on {}: only candidates from the events and the motion of the pulse are assessed",
-            flags.join(", "),
-            unassessed.join(", ")
-        ));
+        out.notes().push(FlagsWithoutEffect { flags, candidates: unassessed });
     }
 }
 
@@ -179,9 +195,36 @@ fn warn_of_bounds(candidates: &[Candidate], out: &mut Output) {
         let dual = candidate.equivalent_to.is_some_and(|other| other < candidate.index);
         let words = candidate.in_words(candidate.fixed_at_bound());
         if !dual && !words.is_empty() {
-            let id = candidate.id();
-            let text = format!("{id}: parameters at a search limit, not identifiable from this record: {words}");
-            out.notes().concern(About::Model(id), Weight::Marked, text);
+            out.notes().push(AtSearchLimit { id: candidate.id(), names: words });
         }
     }
+}
+
+remarks! {
+    /// Remarks of the stage as a whole.
+    pub REMARKS;
+
+    /// Flags on uncertainty were given that have no effect on some candidates.
+    CR562 FlagsWithoutEffect { flags: Vec<String>, candidates: Vec<String> }
+    bears on (About::Model(String::new()), Weight::Slight)
+    decided "A candidate is assessed by its least misfit to the motion; these follow no motion."
+    means "These candidates have no intervals of the kind that is asked for."
+    remedy "use a candidate that is fitted to the motion"
+    says format!(
+        "{} without effect on {}: only candidates from the events and the motion of the pulse are assessed",
+        flags.join(", "),
+        candidates.join(", ")
+    );
+
+    /// Parameters of a model stopped at a limit of the search.
+    CR563 AtSearchLimit { id: String, names: String }
+    bears on (About::Model(id.clone()), Weight::Marked)
+    decided "The least misfit lies on a limit of the search, or beyond it. Of the models of the stage no limit of zero \
+             is named, since a spring or damper of zero is an answer; of a stated chain it is."
+    means "The limit makes the value, not the vehicle. It has no interval."
+    remedy "quote no value for these parameters; use a model with fewer of them, or a sensor on each mass"
+    says {
+        let called = id.strip_prefix("chain/").map_or_else(|| id.clone(), |name| format!("chain {name}"));
+        format!("{called}: parameters at a search limit, not identifiable from this record: {names}")
+    };
 }

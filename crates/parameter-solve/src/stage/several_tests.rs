@@ -1,7 +1,7 @@
 //! One model for several tests: their records, the joint candidates, the choice among them.
 
 use crumple_lumped_fit::{Comparison, FitQuantity, JointTest, RateFactorSource, Sensor, fit_together};
-use crumple_signal::{Axis, Measurement, Sampled, TestDescription};
+use crumple_signal::{About, Axis, Measurement, Sampled, TestDescription, Weight, remarks};
 use crumple_stage::records::{EventsV1, JointTestV1, SourceV1, TestV1, TestsV2};
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt, Usage, option};
 
@@ -172,10 +172,24 @@ fn warn_of_the_rate(tests: &TestsV2, out: &mut Output) {
     if tests.rate_factor == "prior" {
         let speeds: Vec<String> =
             tests.tests.iter().map(|test| format!("{:.1} km/h", 3.6 * test.impact_speed_m_per_s)).collect();
-        out.notes().warning(format!(
-            "the tests are at nearly one speed ({}), which does not tell the rate effect: it stays the prior of a \
-             single test; speeds a tenth apart tell it",
-            speeds.join(", ")
-        ));
+        out.notes().push(NearlyOneSpeed { speeds });
     }
+}
+
+remarks! {
+    /// Remarks of several tests.
+    pub REMARKS;
+
+    /// The tests are too close in speed to show how forces grow with speed.
+    CR564 NearlyOneSpeed { speeds: Vec<String> }
+    bears on (About::Model(String::new()), Weight::Slight)
+    decided "The fastest test is less than 1.1 times as fast as the slowest. At equal crush the forces of such tests \
+             differ by about as much as an error of the zero level makes."
+    means "The rate factor of the force-deflection curve is a prior: predictions at much higher speeds rest on it."
+    remedy "add a test whose speed differs by a tenth or more"
+    says format!(
+        "the tests are at nearly one speed ({}), which does not tell the rate effect: it stays the prior of a single \
+         test; speeds a tenth apart tell it",
+        speeds.join(", ")
+    );
 }

@@ -10,6 +10,7 @@ mod table;
 use std::path::PathBuf;
 
 use crate::{Candidate, ImpactSetup, Scenario, predict};
+use crumple_signal::{About, Kind, Weight, remarks};
 use crumple_stage::records::{CandidateV1, RecommendationV1};
 use crumple_stage::{InputDigest, Inputs, Loaded, Outcome, Output, Refused, Stage, option};
 
@@ -33,6 +34,7 @@ impl Stage for Predict {
     const BUILD: &'static str = env!("CRUMPLE_BUILD");
     const ABOUT: &'static str = "Predicts impacts at other speeds and masses with the candidates of a test. \
                                  Of a whole run: `crumple predict RUN --speed 40km/h`.";
+    const REMARKS: &'static [&'static [&'static Kind]] = &[occupant::REMARKS, REMARKS];
     type Options = Options;
     type Settings = Settings;
     type Input = Read;
@@ -73,7 +75,7 @@ impl Stage for Predict {
         let named = named(&candidates, &records, choice.as_ref(), &settings.candidates)?;
         out.put("/test", &input.test_with_samples(&test))?;
         if settings.taken_as_km_per_h {
-            out.notes().info("a range of speeds without a unit is taken as km/h");
+            out.notes().push(RangeInKmPerH {});
         }
         if named.is_empty() {
             let because = choice.map_or_else(String::new, |choice| format!(": {}", choice.recommended_because));
@@ -85,9 +87,7 @@ impl Stage for Predict {
         }
         let scenarios = scenarios(settings, tested.speed_m_per_s, other.as_ref())?;
         let rider = rider(settings.occupant.as_ref().map(|settings| &settings.restraint), input)?;
-        if rider.is_fitted() {
-            rider.words.iter().for_each(|words| out.notes().info(format!("occupant: {words}")));
-        }
+        rider.remark.into_iter().for_each(|remark| out.notes().push(remark));
         let setup =
             ImpactSetup { partner: partner.partner.clone(), occupant: rider.occupant, occupant_ends: rider.ends };
         for (what, words) in [("partner", partner.words.as_ref()), ("occupant", rider.words.as_ref())] {
@@ -106,8 +106,8 @@ impl Stage for Predict {
                 let prediction = match result {
                     Ok(prediction) => prediction,
                     Err(error) => {
-                        let speed = 3.6 * scenario.speed_m_per_s;
-                        out.notes().warning(format!("{} at {speed:.1} km/h: not predicted, {error}", candidate.id));
+                        let (id, reason) = (candidate.id.clone(), error.to_string());
+                        out.notes().push(NotPredicted { id, speed_m_per_s: scenario.speed_m_per_s, reason });
                         continue;
                     }
                 };
@@ -170,4 +170,26 @@ fn scenarios(
         scenarios.push(partner.at_speed(speed, mass_kg)?);
     }
     Ok(scenarios)
+}
+
+remarks! {
+    /// Remarks of the stage.
+    REMARKS;
+
+    /// A range of speeds has no unit.
+    CR708 RangeInKmPerH {}
+    bears on (About::Predictions, Weight::None)
+    decided "A range such as 20..80/5 stands without a unit; a single speed needs one."
+    means "Both ends and the step of the range are in km/h."
+    remedy "nothing; write the unit behind the range for mph or m/s"
+    says "a range of speeds without a unit is taken as km/h";
+
+    /// A candidate has no response to an impact that was asked for.
+    CR709 NotPredicted { id: String, speed_m_per_s: f64, reason: String }
+    bears on (About::Predictions, Weight::Slight)
+    decided "The model gives no motion at this speed and mass, or the mass asked for is less than what the model has \
+             in front of its compartment: the sentence says which."
+    means "There is no prediction of this impact by this candidate. Others are not touched."
+    remedy "ask for another speed or mass, or predict with another candidate: --candidate ID"
+    says format!("{id} at {:.1} km/h: not predicted, {reason}", 3.6 * speed_m_per_s);
 }

@@ -1,9 +1,9 @@
 //! The occupant of all predictions: as a person describes it, or fitted to a sensor of the test.
 
-use crate::{Fitted, FittedRestraint, MeasuredRide};
+use crate::{FittedRestraint, MeasuredRide};
 use crumple_lumped::{ForceDeflection, Occupant};
-use crumple_signal::Sampled;
 use crumple_signal::value::{Force, Frequency, Length, Mass, Stiffness};
+use crumple_signal::{About, Note, Sampled, Weight, remarks};
 use crumple_stage::records::EventsV1;
 use crumple_stage::{Inputs, Refused, Usage};
 use serde::de::DeserializeOwned;
@@ -157,13 +157,8 @@ pub struct Rider {
     pub ends: Vec<[Occupant; 2]>,
     /// It in words.
     pub words: Option<String>,
-}
-
-impl Rider {
-    /// Whether its restraint follows a sensor of the test.
-    pub fn is_fitted(&self) -> bool {
-        !self.ends.is_empty()
-    }
+    /// The restraint that was fitted, and how well.
+    pub remark: Option<Note>,
 }
 
 /// The occupant of a test. Errors: a sensor that is not there or that no restraint follows.
@@ -171,12 +166,15 @@ pub fn rider(restraint: Option<&Restraint>, input: &Inputs) -> anyhow::Result<Ri
     Ok(match restraint {
         None => Rider::default(),
         Some(Restraint::Stated(occupant)) => {
-            Rider { occupant: Some(occupant.clone()), ends: Vec::new(), words: Some(words(occupant)) }
+            Rider { occupant: Some(occupant.clone()), words: Some(words(occupant)), ..Rider::default() }
         }
         Some(Restraint::OfSensor(channel, mass_kg)) => {
             let fitted = fitted(input, channel, *mass_kg)?;
-            let words = Some(in_words(&fitted, channel));
-            Rider { occupant: Some(fitted.occupant), ends: fitted.ends, words }
+            let remark = Note::from(in_numbers(&fitted, channel));
+            let words = remark.text.strip_prefix(OCCUPANT).map(str::to_owned);
+            // Without a deviation of its numbers nothing is said of them.
+            let remark = Some(remark).filter(|_| !fitted.ends.is_empty());
+            Rider { occupant: Some(fitted.occupant), ends: fitted.ends, words, remark }
         }
     })
 }
@@ -210,23 +208,58 @@ fn ride(vehicle: &Sampled, chest: &Sampled) -> MeasuredRide {
     MeasuredRide { dt_s: SPACING_S, compartment_m_per_s, chest_m_per_s }
 }
 
-fn in_words(fitted: &FittedRestraint, channel: &str) -> String {
-    let number =
-        |of: Fitted, unit: f64, name: &str| format!("{:.1} +- {:.1} {name}", of.value / unit, of.deviation / unit);
-    let limit = fitted.limit_n.map_or_else(
-        || "no force limit that the sensor shows".to_owned(),
-        |limit| format!("limit {}", number(limit, 1e3, "kN")),
-    );
-    format!(
-        "{:.0} kg, restraint fitted to {channel}: {}, slack {}, {limit}; its velocity is missed by {:.2} m/s root mean \
-         square, its peak by {:+.1} %, its way ahead of the compartment by {:+.1} %",
-        fitted.occupant.mass_kg,
-        number(fitted.stiffness_n_per_m, 1e3, "kN/m"),
-        number(fitted.slack_m, 1e-3, "mm"),
-        fitted.misfit_m_per_s,
-        100.0 * (fitted.peak_ratio - 1.0),
-        100.0 * (fitted.excursion_ratio - 1.0),
-    )
+fn in_numbers(fitted: &FittedRestraint, channel: &str) -> OccupantFitted {
+    OccupantFitted {
+        mass_kg: fitted.occupant.mass_kg,
+        channel: channel.to_owned(),
+        stiffness_n_per_m: fitted.stiffness_n_per_m.value,
+        stiffness_deviation_n_per_m: fitted.stiffness_n_per_m.deviation,
+        slack_m: fitted.slack_m.value,
+        slack_deviation_m: fitted.slack_m.deviation,
+        limit_n: fitted.limit_n.map(|limit| limit.value),
+        limit_deviation_n: fitted.limit_n.map(|limit| limit.deviation),
+        misfit_m_per_s: fitted.misfit_m_per_s,
+        peak_error_percent: 100.0 * (fitted.peak_ratio - 1.0),
+        excursion_error_percent: 100.0 * (fitted.excursion_ratio - 1.0),
+    }
+}
+
+/// What the sentence of a fitted restraint begins with.
+const OCCUPANT: &str = "occupant: ";
+
+remarks! {
+    /// Remarks of the occupant.
+    pub REMARKS;
+
+    /// The restraint of the occupant was fitted to a sensor on the chest.
+    CR707 OccupantFitted {
+        mass_kg: f64, channel: String, stiffness_n_per_m: f64, stiffness_deviation_n_per_m: f64, slack_m: f64,
+        slack_deviation_m: f64, limit_n: Option<f64>, limit_deviation_n: Option<f64>, misfit_m_per_s: f64,
+        peak_error_percent: f64, excursion_error_percent: f64
+    }
+    bears on (About::Predictions, Weight::None)
+    decided "Stiffness and slack are found by least squares of the velocity of the chest, up to its largest way ahead \
+             of the compartment; a force limit too where the corrected Akaike criterion asks for one. Each has one \
+             standard deviation."
+    means "The intervals of the predicted occupant hold these deviations. What the restraint misses of the peak and of \
+           the way it may miss at other speeds too."
+    remedy "nothing; --occupant with stiffness and slack states a restraint instead"
+    says {
+        let number = |value: f64, deviation: f64, unit: f64, name: &str| {
+            format!("{:.1} +- {:.1} {name}", value / unit, deviation / unit)
+        };
+        let limit = limit_n.zip(*limit_deviation_n).map_or_else(
+            || "no force limit that the sensor shows".to_owned(),
+            |(value, deviation)| format!("limit {}", number(value, deviation, 1e3, "kN")),
+        );
+        format!(
+            "{OCCUPANT}{mass_kg:.0} kg, restraint fitted to {channel}: {}, slack {}, {limit}; its velocity is missed \
+             by {misfit_m_per_s:.2} m/s root mean square, its peak by {peak_error_percent:+.1} %, its way ahead of \
+             the compartment by {excursion_error_percent:+.1} %",
+            number(*stiffness_n_per_m, *stiffness_deviation_n_per_m, 1e3, "kN/m"),
+            number(*slack_m, *slack_deviation_m, 1e-3, "mm"),
+        )
+    };
 }
 
 #[cfg(test)]

@@ -3,8 +3,8 @@
 
 use std::collections::BTreeMap;
 
-use crumple_artifact::records::EventsV1;
-use crumple_diff::{CompareSettings, Difference, Limit, SAME_SHARE, Step, compare_with_limits};
+use crumple_artifact::records::{EventsV1, RemarkV1};
+use crumple_diff::{CompareSettings, Difference, Limit, SAME_SHARE, Step, compare_with_limits, remarks_by_code};
 use serde_json::{Map, Value, json};
 
 use crate::drawing::numbers::ABSENT;
@@ -265,27 +265,20 @@ fn verdict(run: &Summary) -> Value {
     verdict
 }
 
-/// The warnings by what they are about.
+/// The warnings without a code by what they are about.
 fn concerns(run: &Summary) -> Value {
     let mut by_subject: BTreeMap<String, Vec<&str>> = BTreeMap::new();
-    for one in &run.concerns {
+    for one in run.concerns.iter().filter(|concern| concern.code.is_empty()) {
         by_subject.entry(format!("{}, {}, weight {}", one.about, one.stage, one.weight)).or_default().push(&one.text);
     }
     // Under this name texts that say the same with other numbers are the same.
     json!(by_subject.iter().map(|(id, notes)| json!({"id": id, "notes": notes})).collect::<Vec<_>>())
 }
 
-/// The remarks by their codes, with their values.
+/// The warnings with a code, with their values.
 fn remarks(run: &Summary) -> Value {
-    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-    let mut all = Vec::new();
-    for one in &run.remarks {
-        let count = counts.entry(&one.code).or_default();
-        *count += 1;
-        let id = if *count == 1 { one.code.clone() } else { format!("{} {count}", one.code) };
-        all.push(json!({"id": id, "about": one.about, "weight": one.weight, "values": one.values}));
-    }
-    json!(all)
+    let has_code = |remark: &&RemarkV1| remark.is_warning() && !remark.code.is_empty();
+    remarks_by_code(&json!(run.remarks.iter().filter(has_code).collect::<Vec<_>>()))
 }
 
 /// The predictions by what was asked, without the numbers of the rows.

@@ -28,11 +28,14 @@ pub fn first_screen(run: &ComparedRun, pipeline: Option<&str>, record: Option<&s
     for sentence in &said.sentences {
         text.push_str(&format!("{}\n", markdown(sentence)));
     }
+    for (label, answer) in said.answers() {
+        text.push_str(&format!("{label}: {}\n", markdown(&answer)));
+    }
     let (first, others) = first_warnings(&concerns, |_| false, &run.run, &run.ranking);
     if !first.is_empty() || others > 0 {
         text.push_str(&format!("\n### {}\n\n", phrases.conclusion.before_use));
         for (number, concern) in first.iter().enumerate() {
-            text.push_str(&format!("{}. {}\n", number + 1, markdown(&concern.text)));
+            text.push_str(&format!("{}. {}\n", number + 1, markdown(&concern.with_code())));
         }
         if others > 0 {
             text.push_str(&format!("\n{}\n", fill(texts.more_in_report, &[("count", others.to_string())])));

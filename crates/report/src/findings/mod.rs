@@ -21,6 +21,7 @@ pub use conclusions::summary::{
     CandidateSummary, MatchingSummary, MetricSummary, ModelSummary, OF_SEVERAL_TESTS, OtherMetricSummary, PoleSummary,
     Summary, TestSummary, TransferFunctionSummary, model_year, summary, summary_schema,
 };
+pub use conclusions::uses::{Soundness, Use};
 pub use results::joint::{JointTests, LeftOut, TestOfJointModel};
 pub use results::model_output::{ErrorCorrelation, ModelOutput};
 pub use results::ranking::{Ranking, compare_ids};

@@ -18,6 +18,12 @@ pub(super) fn write_status(out: &mut String, verdict: &Conclusion) {
     out.push_str(&format!("<p class=\"status {class}\">{word}<span>: </span>{reason}.</p>\n"));
 }
 
+/// Whether the record is sound, and what the answer is good for.
+pub(super) fn write_answers(out: &mut String, verdict: &Conclusion) {
+    let answers: String = verdict.answers().map(|(label, text)| format!("<dt>{label}<dd>{}", html(&text))).collect();
+    out.push_str(&format!("<dl class=\"answers\">{answers}</dl>\n"));
+}
+
 /// What happened and what to use; without a result a bar that says what to do.
 pub(super) fn write(out: &mut String, verdict: &Conclusion) {
     let phrases = &PHRASES.conclusion;

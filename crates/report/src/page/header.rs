@@ -21,6 +21,7 @@ pub(super) fn write(out: &mut String, run: &Run, verdict: &Conclusion) {
     out.push_str(&format!("<header>\n<p class=\"brand\">{brand}</p>\n<div class=\"title\"><h1>{title}</h1>\n"));
     conclusion::write_status(out, verdict);
     out.push_str("</div>\n");
+    conclusion::write_answers(out, verdict);
     conclusion::write(out, verdict);
     if run.joint.is_some() {
         // A table has what was tested.

@@ -5,16 +5,29 @@ texts! { ConclusionTexts
     usable_with_care: "usable with care";
     do_not_use: "do not use";
     status: "{status}: {reason}.";
+    sound: "sound";
+    check: "check";
+    wrong: "wrong";
+    record_label: "record";
+    good_for_label: "good for";
+    good_for_nothing: "nothing";
+    use_measured: "measured quantities";
+    use_crush: "crush at the tested speed";
+    use_other_speeds: "other speeds to ±{percent}";
+    use_forces: "forces";
+    use_parameters: "parameters";
+    use_criteria: "criteria of the occupant";
+    use_modes: "frequencies and damping";
     because_good_to:
         "the crush {scenario} is predicted to ±{good_to}";
     because_beyond:
         "{scenario}, beyond the test, the crush is predicted to ±{good_to}";
     because_sensors:
-        "{count} sensors of the compartment differ by {apart} in crush; one has ±{half_width}";
+        "{count} sensors of the compartment read {low} to {high} of crush; a single one is good to ±{half_width}";
     because_few_forces:
-        "use its crush, not its forces: the record determines {determined} of {parameters}";
+        "use its crush, not its forces: {determined} of {parameters} {are} well known";
     because_few_parameters:
-        "use its crush, not its parameters: the record determines {determined} of {parameters}";
+        "use its crush, not its parameters: {determined} of {parameters} {are} well known";
     because_unassessed:
         "the parameters of the model have no intervals";
     because_dual:
@@ -61,6 +74,7 @@ texts! { ConclusionTexts
     the_identified_models: "every identified model";
     the_record: "the record";
     because_not_adequate: "no model is adequate";
+    because_none_adequate: "use what was measured: no model is adequate";
     because_poor_fit:
         "the fit of the best model is {fit}, below {limit}";
     scenario: "at {speed}{mass}{partner}";
@@ -165,12 +179,14 @@ texts! { ConclusionTexts
     dual:
         "The mass split cannot be identified from one sensor: a mirrored (dual) model fits equally well.";
     few_forces:
-        "Use its crush, not its forces: the record determines only {determined} of {parameters}.";
+        "Use its crush, not its forces: only {determined} of {parameters} {are} well known.";
     few_parameters:
-        "Use its crush, not its parameters: the record determines only {determined} of {parameters}.";
+        "Use its crush, not its parameters: only {determined} of {parameters} {are} well known.";
     extrapolates:
         "Beyond {crush}, the crush of the test, it extrapolates.";
     and: "and";
+    is: "is";
+    are: "are";
     force_at: "the force at {deflection}";
     forces_at: "the forces at {deflection}";
     sensors_differ:
@@ -197,6 +213,7 @@ texts! { ConclusionTexts
     about_identified_models: "Identified models";
     no_fault: "No fault was found in the record.";
     before_use: "Before you use this";
+    allowed: "{count} allowed by the pipeline: {codes}";
     one_more: "1 more warning";
     more: "{count} more warnings";
     verdict: "Verdict";

@@ -62,6 +62,7 @@ pub fn gather(inputs: &Inputs, pipeline: Option<&Pipeline>) -> anyhow::Result<Ru
     let found = contradictions(inputs.artifacts(), pipeline);
     let program_of = |stage: &str| run.provenance.iter().find(|made| made.stage == stage)?.program.as_ref();
     let remark = |found: &Contradiction| found.remark(program_of(found.stage).map(|program| &*program.command));
+    run.allowed = pipeline.iter().flat_map(|pipeline| pipeline.allowed()).map(str::to_owned).collect();
     run.contradictions = found.iter().map(remark).collect();
     let qualities = inputs.records::<QualityV1>("/quality/")?;
     run.clipped = qualities.into_iter().filter(|(_, q)| q.may_be_clipped()).map(|(id, _)| id).collect();

@@ -5,8 +5,8 @@ mod without_model;
 use std::path::Path;
 
 use crumple_artifact::records::{
-    CandidateV1, ConcernV1, EventIntervalV1, EventsV1, EvidenceV1, IdentificationV1, MetricV1, ModeV1,
-    PredictedCollisionV1, PredictedIntervalV1, PredictionV1, RatedCandidateV1, RecommendationV1, SeverityV1,
+    CandidateV1, EventIntervalV1, EventsV1, EvidenceV1, IdentificationV1, MetricV1, ModeV1,
+    PredictedCollisionV1, PredictedIntervalV1, PredictionV1, RatedCandidateV1, RecommendationV1, RemarkV1,
     SimulationV1, StrengthV1, UncertaintyV1,
 };
 use crumple_report::{
@@ -111,9 +111,9 @@ fn prediction(impact_speed_m_per_s: f64, crush_m: f64, extrapolates: bool) -> Pr
     }
 }
 
-fn concern(stage: &str, about: &str, weight: u8, text: &str) -> ConcernV1 {
-    let (stage, about, text) = (stage.to_owned(), about.to_owned(), text.to_owned());
-    ConcernV1 { stage, severity: SeverityV1::Warning, about, weight, text, remedy: None }
+fn concern(stage: &str, about: &str, weight: u8, text: &str) -> RemarkV1 {
+    let [stage, about, text] = [stage, about, text].map(str::to_owned);
+    RemarkV1 { stage, about, weight, text, ..RemarkV1::default() }
 }
 
 fn summary_of(run: &Run) -> Value {
@@ -261,7 +261,7 @@ fn a_speed_beyond_the_test_is_answered_as_one_and_so_is_one_that_was_asked_for()
     assert!(said[1].contains("at 54\u{a0}km/h, beyond the test"), "{said:?}");
     assert_eq!(status_of(&run), status);
     // Where all of it is doubtful nothing of it is to be used.
-    run.concerns = vec![concern("integrate", "impact-speed", 3, "is the impact speed right?")];
+    run.remarks = vec![concern("integrate", "impact-speed", 3, "is the impact speed right?")];
     let said = assert_numbers_are_those_of_the_summary(&run, &[]);
     let answer = "Asked for: at 54 km/h the Kelvin model gives 690 mm (670 to 710).";
     assert_eq!(said[1].replace('\u{a0}', " "), answer);
@@ -287,7 +287,7 @@ fn a_crush_that_other_sensors_dispute_is_good_to_what_they_are_apart() {
     let mut run = car();
     run.metrics = vec![MetricV1 { low: Some(0.43), high: Some(0.4477), ..metric("dynamic_crush", 0.44, "93+94+99") }];
     assert_numbers_are_those_of_the_summary(&run, &[]);
-    let because = "3 sensors of the compartment differ by 18 mm in crush; one has ±8 mm";
+    let because = "3 sensors of the compartment read 430 to 448 mm of crush; a single one is good to ±8 mm";
     assert_eq!(status_of(&run), format!("usable with care: {because}."));
     let page = page_of(&run).replace('\u{a0}', " ");
     assert!(page.contains("3 sensors of the compartment give a crush of 430 mm to 448 mm: quote the range"), "{page}");
@@ -305,7 +305,7 @@ fn a_knot_of_a_curve_is_named_by_its_deflection() {
     let said = assert_numbers_are_those_of_the_summary(&run, &[]);
     assert_eq!(said[1].split(':').next(), Some("For other speeds use the force-deflection curve"));
     assert_eq!(said[2], "Not identifiable from this record: the force at 97\u{a0}mm.");
-    let because = "use its crush, not its parameters: the record determines 2 of 3";
+    let because = "use its crush, not its parameters: 2 of 3 are well known";
     assert_eq!(status_of(&run), format!("usable with care: {because}."));
 }
 
@@ -316,7 +316,7 @@ fn open_numbers_and_mirror_images_are_said() {
     open.uncertainty.as_mut().unwrap().standard_deviation.insert("damping_n_s_per_m".to_owned(), 5e3);
     let said = assert_numbers_are_those_of_the_summary(&run, &[]);
     assert_eq!(said[2], "Not identifiable from this record: c.");
-    assert!(status_of(&run).ends_with("the record determines 1 of 2."), "{}", status_of(&run));
+    assert!(status_of(&run).ends_with("1 of 2 is well known."), "{}", status_of(&run));
     // Both at once: the status says the one, a sentence the other.
     run.candidates[0].record.equivalent_to = Some("kelvin/direct-fit/2".to_owned());
     assert_eq!(assert_numbers_are_those_of_the_summary(&run, &[])[2], said[2]);
@@ -372,7 +372,7 @@ fn a_sensor_in_an_occupant_has_criteria_and_no_model() {
     let mut run = car();
     run.test.channels = vec![channel("93", "driver, head")];
     run.metrics = vec![metric("hic15", 246.2, "93"), metric("clip_3ms_contiguous", 497.19, "93")];
-    run.concerns = vec![concern("integrate", "occupants", 2, "criteria are lower bounds")];
+    run.remarks = vec![concern("integrate", "occupants", 2, "criteria are lower bounds")];
     let said = assert_numbers_are_those_of_the_summary(&run, &["HIC15", "3 ms clip"]);
     assert!(said[0].contains("(driver, head), not in the vehicle: HIC15 246, 3 ms clip 50.7\u{a0}g."), "{said:?}");
     assert!(
@@ -440,12 +440,12 @@ fn inputs_and_outputs_have_the_closest_identified_model() {
         "{said:?}"
     );
     // Nobody asks for the mass of a hair dryer.
-    run.concerns =
+    run.remarks =
         vec![concern("ingest", "mass", 3, "no mass is stated"), concern("identify", "identified-models", 1, "b")];
     let page = page_of(&run);
     let first = &page[page.find("before-use").unwrap()..page.find("<h2>Identification").unwrap()];
     assert!(!page.contains("no mass") && first.contains("<b>Identified models:</b> b"), "{first}");
-    run.concerns.pop();
+    run.remarks.pop();
     assert!(!page_of(&run).contains("before-use\""), "nothing is said of a mass alone");
 }
 
@@ -513,12 +513,12 @@ fn a_model_that_unseen_samples_contradict_is_not_to_be_used() {
 fn every_method_without_a_model_is_named_with_its_reason() {
     let mut run = Run { models: identified(), ..Run::default() };
     let methods = ["okid", "fir", "cva", "arx"];
-    run.concerns = methods
+    run.remarks = methods
         .map(|method| {
             concern("identify", &format!("method:{method}"), 1, &format!("{method} gave no model: too short"))
         })
         .to_vec();
-    run.concerns.push(concern("identify", "identified-models", 3, "unseen samples"));
+    run.remarks.push(concern("identify", "identified-models", 3, "unseen samples"));
     assert_eq!(status_of(&run), "do not use: every identified model is in doubt, see warning 1.");
     let page = page_of(&run);
     let section = &page[page.find("Not identified").unwrap()..];

@@ -6,12 +6,12 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use crumple_artifact::records::{CandidateV1, MetricsV2, NotesV1, PredictionV1, RecommendationV1, TestV1};
+use crumple_artifact::records::{CandidateV1, MetricsV2, PredictionV1, RecommendationV1, RemarkV1, TestV1};
 use crumple_artifact::{Artifact, OutputKind, ReadError, Record, write_atomically};
 use crumple_lumped::{ParameterKind, parameter_kind};
-use crumple_signal::{Note, Severity};
 use crumple_stage::{
-    ExitStatus, Refused, Usage, artifacts_of_a_run, keep_budget, refuse_to_overwrite, say, unknown_name,
+    ExitStatus, Refused, Usage, artifacts_of_a_run, is_no_result, keep_budget, refuse_to_overwrite, remarks_of, say,
+    unknown_name,
 };
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
@@ -236,17 +236,18 @@ fn predictions(artifacts: &[Artifact]) -> Result<Table, ReadError> {
     Ok(Table::new("predictions", columns(&PREDICTIONS), all.iter().map(|(_, made)| prediction_row(made)).collect()))
 }
 
-/// A row a note, with its stage.
+/// A row a remark, with its stage.
 fn notes(artifacts: &[Artifact]) -> Result<Table, ReadError> {
     let mut rows = Vec::new();
-    for (_, NotesV1 { stage, notes }) in records(artifacts, "/notes")? {
-        rows.extend(notes.iter().map(|text| {
-            let note = Note::parse(text);
-            let severity = if note.severity == Severity::Warning { "warning" } else { "note" };
-            vec![(&stage).into(), severity.into(), (&note.text).into()]
+    for artifact in artifacts {
+        rows.extend(remarks_of(artifact)?.iter().filter(|remark| !is_no_result(remark)).map(|remark| {
+            let severity = if remark.is_warning() { "warning" } else { "note" };
+            let RemarkV1 { stage, text, code, about, .. } = remark;
+            vec![stage.into(), severity.into(), text.into(), code.into(), about.into()]
         }));
     }
-    Ok(Table::new("notes", columns(&[("stage", Text), ("severity", Text), ("text", Text)]), rows))
+    let names = [("stage", Text), ("severity", Text), ("text", Text), ("code", Text), ("about", Text)];
+    Ok(Table::new("notes", columns(&names), rows))
 }
 
 /// A table of a fleet.

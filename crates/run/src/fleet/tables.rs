@@ -248,7 +248,7 @@ pub(crate) const OF_RUN: [(&str, Kind); 4] =
     [("record", Text), ("record_digest", Text), ("pipeline", Text), ("settings", Text)];
 
 /// Columns of the table.
-pub(crate) const TESTS: [(&str, Kind); 32] = [
+pub(crate) const TESTS: [(&str, Kind); 34] = [
     ("run_folder", Text),
     ("status", Text),
     ("exit_code", Count),
@@ -275,6 +275,8 @@ pub(crate) const TESTS: [(&str, Kind); 32] = [
     ("kelvin_damping_n_s_per_m", Number),
     ("verdict", Text),
     ("verdict_because", Text),
+    ("record_is", Text),
+    ("good_for", Text),
     ("recommended", Text),
     ("recommended_because", Text),
     ("simplest", Text),
@@ -331,6 +333,8 @@ pub(crate) fn test_row(run: &Run, ended: &JournalEntry, summary: Option<&Summary
         kelvin("damping_n_s_per_m"),
         summary.and_then(|summary| Some(summary.verdict.status?.word())).into(),
         text(summary.map(|summary| &summary.verdict.status_sentence)),
+        summary.and_then(|summary| Some(summary.verdict.record?.word())).into(),
+        text(summary.map(|summary| summary.verdict.uses()).as_ref()),
         text(summary.and_then(|summary| summary.recommended.as_ref())),
         text(summary.map(|summary| &summary.recommended_because)),
         text(summary.and_then(|summary| summary.simplest.as_ref())),

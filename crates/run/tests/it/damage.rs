@@ -128,6 +128,7 @@ fn run(folder: &Path, name: &str, speed: Option<f64>, crush_m: Option<f64>, a_an
         exchange_asked: false,
         contact: None,
         kind: None,
+        overlap: None,
     };
     let write = |file: &str, stage: &str, builder: ArtifactBuilder| {
         let provenance = Provenance::new(stage, "0", "{}".to_owned(), vec![]);

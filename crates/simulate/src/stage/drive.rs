@@ -38,6 +38,11 @@ pub fn pulse_of(text: &str) -> anyhow::Result<Option<CrashPulse>> {
 /// Waveforms that a refusal lists.
 const SHOWN: usize = 12;
 
+/// How far the comparison with the test holds where models start from rest. Of a pulse given back as a force
+/// [`Driven::words`] say all.
+pub const CAUTION: &str = "fits and errors still compare with the test as recorded: they assess and rank no model \
+    unless the test was driven in the same way, and under a displacement fit of 50 % no model is called the best";
+
 /// What moves models, by name.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -122,15 +127,6 @@ impl Driven {
     /// Whether models start from rest.
     pub fn starts_from_rest(&self) -> bool {
         matches!(self.drive, Drive::Force | Drive::Base)
-    }
-
-    /// How far the comparison with the test holds where it is not the impact that moves the models. Of a pulse given
-    /// back as a force [`Driven::words`] say all.
-    pub fn caution(&self) -> Option<&'static str> {
-        self.starts_from_rest().then_some(
-            "fits and errors still compare with the test as recorded: they assess and rank no model unless the test \
-             was driven in the same way, and under a displacement fit of 50 % no model is called the best",
-        )
     }
 
     /// What moves the models where it is not the impact alone.

@@ -13,13 +13,14 @@ use crate::{
 };
 use crumple_lumped::{LumpedError, Model, ModelKind};
 use crumple_lumped_fit::{MeasuredTest, evaluate};
-use crumple_signal::{About, Acceleration, Displacement, Sampled, TestDescription, Velocity, Weight};
+use crumple_signal::{About, Acceleration, Displacement, Kind, Sampled, TestDescription, Velocity, Weight, remarks};
 use crumple_stage::records::{CandidateV1, EvaluationV1, EventsV1, RecommendationV1};
 use crumple_stage::{
     Inputs, Loaded, Outcome, Output, RefuseExt, Refused, Stage, Usage, Wave, option, total_mass_remark,
 };
 use rayon::prelude::*;
 
+use crate::stage::drive::CAUTION;
 use crate::stage::options::{ChainSettings, Options, Settings};
 use crate::stage::records::{
     AsMeasured, BesideTest, mass_of_occupant, mass_of_pulse, other_sensors, sensor_record, summary_line, was_fitted,
@@ -33,6 +34,7 @@ impl Stage for Simulate {
     const NAME: &'static str = "simulate";
     const BUILD: &'static str = env!("CRUMPLE_BUILD");
     const ABOUT: &'static str = "Simulates every candidate model and compares its motion with the test.";
+    const REMARKS: &'static [&'static [&'static Kind]] = &[REMARKS];
     type Options = Options;
     type Settings = Settings;
     type Input = Inputs;
@@ -79,9 +81,12 @@ impl Stage for Simulate {
 
         let excitation = settings.driven.excitation(input, channel)?;
         let drive = settings.driven.words();
-        if let Some(drive) = &drive {
-            let caution = settings.driven.caution().map_or_else(String::new, |text| format!("; {text}"));
-            out.notes().warning(format!("models are moved by {drive}{caution}"));
+        if let Some(drive) = drive.clone() {
+            if settings.driven.starts_from_rest() {
+                out.notes().push(DrivenFromRest { drive });
+            } else {
+                out.notes().push(DrivenByThePulse { drive });
+            }
         }
 
         // Where the velocity never reaches zero the comparison ends with the event.
@@ -197,18 +202,15 @@ fn write_stated(stated: &ChainSettings, test: &TestDescription, out: &mut Output
     let (id, chain) = (stated.id(), stated.chain()?);
     let mut record = stated.candidate(&chain);
     if !record.physical {
-        out.notes().concern(
-            About::Model(id.clone()),
-            Weight::Marked,
-            format!(
-                "{id}: a spring or damper of [simulate.chain.{}] is negative somewhere: no passive structure",
-                stated.name
-            ),
-        );
+        out.notes().push(NotPassive { id: id.clone(), chain: stated.name.clone() });
     }
-    if let Some(text) = test.mass_kg.and_then(|kg| total_mass_remark(chain.masses_kg(), kg)) {
-        out.notes().concern(About::Model(id.clone()), Weight::Marked, format!("{id}: {text}"));
-        record.notes.push(text);
+    let masses_kg = chain.masses_kg();
+    let differs = test.mass_kg.and_then(|test_kg| Some((test_kg, total_mass_remark(masses_kg, test_kg)?)));
+    if let Some((test_kg, reason)) = differs {
+        record.notes.push(reason.clone());
+        let sum_kg: f64 = masses_kg.iter().sum();
+        let difference_percent = 100.0 * (sum_kg / test_kg - 1.0);
+        out.notes().push(OtherTotalMass { id: id.clone(), sum_kg, test_kg, difference_percent, reason });
     }
     out.put(&format!("/parameters/{id}"), &record)?;
     Ok(Candidate { id, record, model: Ok(Model::Chain(chain)), evaluation: None })
@@ -258,8 +260,7 @@ impl ComparisonWithTest<'_> {
         let simulation = match result {
             Ok(simulation) => simulation,
             Err(error) => {
-                let text = format!("{id}: not simulated, {error}");
-                out.notes().concern(About::Model(id.to_owned()), Weight::Marked, text);
+                out.notes().push(NotSimulated { id: id.clone(), reason: error.to_string() });
                 return Ok(0);
             }
         };
@@ -301,4 +302,52 @@ impl ComparisonWithTest<'_> {
             force_misfit_percent: evaluation.force_misfit_percent,
         }
     }
+}
+
+remarks! {
+    /// Remarks of the stage.
+    REMARKS;
+
+    /// Models start from rest and are moved by a waveform, not by the impact of the test.
+    CR605 DrivenFromRest { drive: String }
+    bears on (About::Model(String::new()), Weight::Slight)
+    decided "simulate.drive is force or base. Under a displacement fit of 50 % no model is called the best."
+    means "Fits and errors compare with the test as recorded. They say nothing of a model, unless the test was driven \
+           in the same way."
+    remedy "leave simulate.drive out to compare with a crash test"
+    says format!("models are moved by {drive}; {CAUTION}");
+
+    /// Models are moved by the acceleration that they are compared with.
+    CR606 DrivenByThePulse { drive: String }
+    bears on (About::Model(String::new()), Weight::Slight)
+    decided "simulate.drive is pulse-as-force: mass times measured acceleration acts on the front mass."
+    means "The measured motion goes in. A model that is nearly one rigid mass gives it back: agreement is no evidence."
+    remedy "leave simulate.drive out, so that models meet the barrier"
+    says format!("models are moved by {drive}");
+
+    /// A chain of masses that the pipeline states has a negative spring or damper.
+    CR607 NotPassive { id: String, chain: String }
+    bears on (About::Model(id.clone()), Weight::Marked)
+    decided "Every spring and damper is looked at over its whole range; a passive structure has none below zero."
+    means "The model gives energy to the vehicle: its motion may fit and is none of a structure."
+    remedy "correct stiffness and damping of the chain in the pipeline"
+    says format!("{id}: a spring or damper of [simulate.chain.{chain}] is negative somewhere: no passive structure");
+
+    /// The masses of a stated chain do not add up to the mass of the test.
+    CR608 OtherTotalMass { id: String, sum_kg: f64, test_kg: f64, difference_percent: f64, reason: String }
+    bears on (About::Model(id.clone()), Weight::Marked)
+    decided "The sum is compared with the mass of the test; more than 1 % is noted. Scales and rounded masses stay \
+             below."
+    means "Forces and energies belong to the masses of the chain, not to the vehicle that was tested."
+    remedy "let the masses of the chain add up to the mass of the test"
+    says format!("{id}: {reason}");
+
+    /// A candidate was not simulated.
+    CR609 NotSimulated { id: String, reason: String }
+    bears on (About::Model(id.clone()), Weight::Marked)
+    decided "Its parameters make no model, its response leaves the range of numbers, or the record has no part to \
+             compare it with: the sentence says which."
+    means "It has no motion, no fit and no rank. Other candidates are not touched."
+    remedy "nothing, unless it is the one that is needed: then check its parameters, or fit it again"
+    says format!("{id}: not simulated, {reason}");
 }

@@ -341,6 +341,7 @@ pub fn check_numbers(made: &Made, counts: &mut Counts) -> Vec<(String, String)> 
     wrong.extend(usable_words(made));
     wrong.extend(question(made));
     wrong.extend(remedy(made));
+    wrong.extend(record(made));
     wrong
 }
 
@@ -422,6 +423,13 @@ fn question(made: &Made) -> Option<(String, String)> {
     made.recommended()?;
     let answer = crate::truth::rules::answer(made);
     answer.is_none().then(|| ("predictions".to_owned(), format!("{:?} is not answered", question.flags)))
+}
+
+/// A record that states what is true is not called wrong; one that a flag makes right is not called sound.
+fn record(made: &Made) -> Option<(String, String)> {
+    let said = made.text("/verdict/record");
+    let is_false = (made.known.is_sound && said == "wrong") || (made.known.remedy.is_some() && said == "sound");
+    is_false.then(|| ("record".to_owned(), format!("it is called {said}")))
 }
 
 /// The first or second warning names what would make a wrong record right.

@@ -2,6 +2,7 @@
 
 mod cases;
 mod known;
+mod remarks;
 mod rules;
 mod run;
 mod sentences;
@@ -10,4 +11,5 @@ mod template;
 pub use crate::truth::run::{Failure, Made, Shown, numbers, plain, run};
 pub use crate::truth::sentences::{Complaint, Net};
 pub use cases::{Extent, RunCase, cases};
+pub use remarks::Explained;
 pub use rules::Registry;

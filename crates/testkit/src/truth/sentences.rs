@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 use crumple_signal::key_quantities::KeyQuantity;
 
 use crate::truth::known::{Counts, check_numbers};
+use crate::truth::remarks::{Explained, Raised};
 use crate::truth::rules::{Registry, Spot, Surface};
 use crate::truth::run::{Block, Made, plain};
 
@@ -44,7 +45,7 @@ pub fn sentences(registry: &Registry, made: &Made) -> Vec<Sentence> {
     let conclusion = registry.sentences(&["conclusion."]);
     let notes = registry.sentences(&["note.", "conclusion.", "remarks."]);
     let mut add = |surface: Surface, key: &str, text: &str, templates: &[&'static str]| {
-        let (key, text) = (key.to_owned(), plain(text));
+        let (key, text) = (key.to_owned(), without_code(&plain(text)).to_owned());
         if !text.is_empty() {
             all.push(Sentence { surface, key, text, templates: templates.to_vec() });
         }
@@ -76,6 +77,14 @@ pub fn sentences(registry: &Registry, made: &Made) -> Vec<Sentence> {
     of_page(registry, made, &mut add);
     of_console(registry, made, &mut add);
     all
+}
+
+/// A warning without its code, which the list of remarks has.
+fn without_code(text: &str) -> &str {
+    match text.strip_suffix(']').and_then(|text| text.rsplit_once(" [CR")) {
+        Some((sentence, code)) if code.len() == 3 => sentence,
+        _ => text,
+    }
 }
 
 /// What a model is that is folded.
@@ -205,7 +214,8 @@ fn of_console(registry: &Registry, made: &Made, add: &mut Add<'_>) {
             }
             (_, Some(key)) => add(Surface::Console, key, &text, &["console.number"]),
             ("recommended" | "model in doubt", _) => add(Surface::Console, &label, &text, &["console.model"]),
-            ("report" | "run", _) => {}
+            // What the summary has of them is held against the truth.
+            ("report" | "run" | "record" | "good for", _) => {}
             ("not in it", _) => add(Surface::Console, &label, &text, &registry.sentences(&["remarks."])),
             ("not identified", _) => add(Surface::Console, &label, &text, &registry.sentences(&["note."])),
             ("warnings" | "", _) => add(Surface::Console, &label, &text, &["console.warning", "console.more"]),
@@ -239,10 +249,17 @@ pub struct Net {
     pub unread: BTreeSet<Complaint>,
     /// How often intervals held the truth.
     pub counts: Counts,
+    explained: Explained,
+    raised: Raised,
     runs: usize,
 }
 
 impl Net {
+    /// Nothing read yet; what is explained of every code.
+    pub fn new(explained: Explained) -> Self {
+        Self { explained, ..Self::default() }
+    }
+
     /// Reads a run.
     pub fn read(&mut self, registry: &Registry, made: &Made) {
         self.runs += 1;
@@ -268,6 +285,15 @@ impl Net {
                     self.contradictions.insert(complaint(&said.template, because));
                 }
             }
+        }
+        for (text, because) in self.raised.add(&made.name, made.list("/remarks"), &self.explained) {
+            self.contradictions.insert(Complaint {
+                template: "remark".to_owned(),
+                run: made.name.clone(),
+                surface: Surface::Summary.name(),
+                text,
+                because,
+            });
         }
         for (number, because) in check_numbers(made, &mut self.counts) {
             self.contradictions.insert(Complaint {
@@ -301,6 +327,7 @@ impl Net {
                 let _infallible = writeln!(out, "- {template} ({run}, {surface}): {because}: {text:?}");
             }
         }
+        out.push_str(&self.raised.table(&self.explained));
         let not_seen = self.not_seen(registry);
         let _infallible = writeln!(out, "\n{} templates printed by no run: {}", not_seen.len(), not_seen.join(", "));
         out

@@ -195,7 +195,7 @@ fn difference(fixture: &str, (stage, mode, end): (&str, &str, End)) -> Option<St
     let said = String::from_utf8_lossy(&ended.stderr) + String::from_utf8_lossy(&ended.stdout);
     let text = std::fs::read_to_string(folder.path().join("summary.json")).unwrap_or_default();
     let summary: Value = serde_json::from_str(&text).unwrap_or_default();
-    let remarks = summary["remarks"].as_array().cloned().unwrap_or_default();
+    let remarks = contradictions(&summary);
     let is_first = |code: &str| remarks.first().is_some_and(|remark| remark["code"] == code);
     // The console cuts a line.
     let is_said =
@@ -295,29 +295,26 @@ fn the_stages_of_the_project_contradict_nothing() {
             let text = std::fs::read_to_string(out.join("summary.json"));
             let text = text.unwrap_or_else(|_| panic!("{}", String::from_utf8_lossy(&ended.stderr)));
             let summary: Value = serde_json::from_str(&text).unwrap();
-            assert_eq!(summary["remarks"], serde_json::json!([]), "{} at CFC {cfc}", record.display());
+            assert_eq!(contradictions(&summary), [Value::Null; 0], "{} at CFC {cfc}", record.display());
         }
     }
+}
+
+/// The remarks of a summary that say what contradicts, in their order.
+fn contradictions(summary: &Value) -> Vec<Value> {
+    let is_one = |remark: &&Value| crumple_stage::joints::invariants().any(|row| remark["code"] == row.kind.code);
+    summary["remarks"].as_array().into_iter().flatten().filter(is_one).cloned().collect()
 }
 
 /// Marks around the codes of docs/remarks.md.
 const BEGIN: &str = "<!-- codes -->\n";
 const END: &str = "<!-- end of codes -->\n";
 
+/// The sections of the page, as the program that holds every stage prints them.
 fn codes() -> String {
-    let of = |row: &crumple_stage::joints::Invariant| {
-        let [found, decided, means, remedy] = row.explanation;
-        let how = if row.ends_the_run { "refused, exit code 3" } else { "a warning" };
-        let paragraphs = [
-            format!("{found} *{how}*"),
-            format!("Decided: {decided}"),
-            format!("Means: {means}"),
-            format!("Do: {remedy}."),
-        ];
-        let wrapped = paragraphs.map(|text| crumple_stage::wrapped(&text, 120).join("\n"));
-        format!("## {}\n{}\n\n", row.code, wrapped.join("\n\n"))
-    };
-    crumple_stage::joints::invariants().map(of).collect()
+    let explained = Command::new(binary("crumple")).args(["explain", "--markdown"]).output().unwrap();
+    assert!(explained.status.success(), "{}", String::from_utf8_lossy(&explained.stderr));
+    String::from_utf8(explained.stdout).unwrap()
 }
 
 /// `CRUMPLE_WRITE_DOCS=1` writes the codes.

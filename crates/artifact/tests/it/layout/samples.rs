@@ -195,6 +195,7 @@ pub fn test() -> TestV1 {
         time_zero: Some("the format nhtsa-ev5".into()),
         contact: None,
         exchange_asked: true,
+        overlap: Some("glancing".into()),
         kind: Some(KindV1 { name: "vehicle".into(), rule: "stated by flag".into() }),
     }
 }

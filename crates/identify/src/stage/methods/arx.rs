@@ -1,11 +1,11 @@
 //! The method `arx`: of an order, of a structure, or of the best structure of a scan.
 
-use crumple_signal::{About, Weight};
+use crumple_signal::{About, Note, Weight, remarks};
 use crumple_stage::records::{ArxScanModelV1, ArxScanV1, ScanEdgeV1};
 use crumple_stage::{Outcome, Output, RefuseExt, Refused};
 use crumple_sysid::{Arx, ArxOrder, IdentifyError, IoData, arx, arx_scan, fit_measures, simulate_fitted};
 
-use crate::stage::methods::discrete::{MethodRun, ModelRequest};
+use crate::stage::methods::discrete::{MethodRun, ModelRequest, StatesOfPaths};
 use crate::stage::options::choices::Method;
 use crate::stage::options::orders::ArxRanges;
 use crate::stage::records::discrete::{Deviations, DiscreteModel};
@@ -26,7 +26,8 @@ pub fn identify_order(order: usize, data: &IoData) -> Result<DiscreteModel, Iden
     let lags = order.div_ceil(outputs);
     let mut model = identify_structure(ArxOrder { na: lags, nb: lags + 1, nk: 0 }, data)?;
     if outputs > 1 {
-        model.notes.info(format!("{lags} lags of {outputs} outputs make {} states", lags * outputs));
+        let (lags, outputs, states) = (Some(lags), Some(outputs), Some(lags * outputs));
+        model.notes.push(StatesOfPaths { poles: None, lags, outputs, states });
     }
     Ok(model)
 }
@@ -69,12 +70,11 @@ fn coefficients(model: &Arx, output: usize) -> NamedNumbers {
 pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
     let Some(input_output) = &source.settings.input_output else { return Ok(Outcome::Done) };
     let all = MethodRun::new(Method::Arx, source, input_output, hint())?;
-    let mut structures: Vec<(ArxOrder, Option<String>)> =
+    let mut structures: Vec<(ArxOrder, Option<Note>)> =
         input_output.arx_orders.iter().map(|structure| (structure.0, None)).collect();
     if let Some(ranges) = &input_output.arx_scan {
         let best = scan(ranges, &all.record, &all.data, results.out)?;
-        let remark =
-            Some(format!("the smallest BIC of the one-step prediction over the structures {ranges}, see /scan"));
+        let remark = Some(BestOfScan { ranges: ranges.to_string() }.into());
         match structures.iter_mut().find(|(order, _)| *order == best) {
             Some((_, known)) => *known = remark,
             None => structures.push((best, remark)),
@@ -113,10 +113,8 @@ fn scan(ranges: &ArxRanges, record: &Record, data: &IoData, out: &mut Output) ->
     if let Some(Err(error)) = fits.iter().find(|result| result.is_err())
         && without < orders.len()
     {
-        out.notes().warning(format!(
-            "arx scan: {without} of {} structures have no model and are left out, the first because: {error}",
-            orders.len()
-        ));
+        let (structures, reason) = (orders.len(), error.to_string());
+        out.notes().push(StructuresLeftOut { without, structures, reason });
     }
     let models: Vec<ArxScanModelV1> = orders
         .iter()
@@ -152,12 +150,8 @@ fn scan(ranges: &ArxRanges, record: &Record, data: &IoData, out: &mut Output) ->
             ScanEdgeV1::Inputs => "inputs",
             ScanEdgeV1::Delay => "delay",
         });
-        let text = format!(
-            "arx scan: {} is at the edge of the ranges {ranges} with its {}: a wider --arx-scan may find a better one",
-            name(best),
-            names.collect::<Vec<_>>().join(" and its ")
-        );
-        out.notes().concern(About::Method(Method::Arx.to_string()), Weight::Marked, text);
+        let (numbers, ranges) = (names.map(str::to_owned).collect(), ranges.to_string());
+        out.notes().push(ScanAtEdge { structure: name(best), ranges, numbers });
     }
     out.put(
         &format!("/scan/{output}"),
@@ -190,4 +184,40 @@ fn scan(ranges: &ArxRanges, record: &Record, data: &IoData, out: &mut Output) ->
 fn simulation_fit(model: &Arx, data: &IoData) -> Option<f64> {
     let simulated = simulate_fitted(&model.state_space().ok()?, data).ok()?.0;
     fit_measures(&data.outputs()[0], &simulated[0])?.fit_percent
+}
+
+remarks! {
+    /// Remarks of scans of structures.
+    pub REMARKS;
+
+    /// Structures of a scan have no model.
+    CR428 StructuresLeftOut { without: usize, structures: usize, reason: String }
+    bears on (About::IdentifiedModels, Weight::Slight)
+    decided "The regression of each structure is solved on the same samples; the sentence has the first reason."
+    means "The smallest BIC is that of the structures that are left. The table /scan names the others with their \
+           reasons."
+    remedy "lower the numbers of --arx-scan, or widen the window: --from, --to"
+    says format!(
+        "arx scan: {without} of {structures} structures have no model and are left out, the first because: {reason}"
+    );
+
+    /// The best structure of a scan stands at the end of a range.
+    CR429 ScanAtEdge { structure: String, ranges: String, numbers: Vec<String> }
+    bears on (About::Method(Method::Arx.to_string()), Weight::Marked)
+    decided "One of its numbers is the first or the last of a range that could go on."
+    means "The scan did not look beyond. A structure outside of the ranges may have a smaller BIC."
+    remedy "widen the ranges: --arx-scan=1-8,1-8,0-12"
+    says format!(
+        "arx scan: {structure} is at the edge of the ranges {ranges} with its {}: a wider --arx-scan may find a better \
+         one",
+        numbers.join(" and its ")
+    );
+
+    /// A structure was chosen by a scan.
+    CR430 BestOfScan { ranges: String }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "The smallest BIC of the one-step prediction, all structures on the same samples."
+    means "It predicts one step best. Another structure may simulate better."
+    remedy "nothing; the table /scan has the fit of every simulation, --arx-orders takes another structure"
+    says format!("the smallest BIC of the one-step prediction over the structures {ranges}, see /scan");
 }

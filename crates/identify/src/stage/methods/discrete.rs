@@ -1,7 +1,7 @@
 //! The discrete methods with an input: every model asked for is identified, simulated and written.
 
 use crumple_numerics::lti::Complex;
-use crumple_signal::{About, Notes, TestDescription, Weight};
+use crumple_signal::{About, Note, Notes, TestDescription, Weight, remarks};
 use crumple_stage::{Inputs, Outcome, Output, RefuseExt};
 use crumple_sysid::{
     AmbientModes, Horizon, IdentifyError, IoData, MissReason, Order, OutputErrorOptions, Stop, Weighting, fit_measures,
@@ -17,6 +17,7 @@ use crate::stage::options::settings::{HankelSettings, InputOutputSettings, Setti
 use crate::stage::records::discrete::{
     DiscreteModel, DiscreteTask, RecordChoices, put_discrete_model, simulate_accepted,
 };
+use crate::stage::records::evidence::of_model;
 use crate::stage::records::results::Results;
 use crate::stage::waves::{Record, Source, flag, record, widen_the_window};
 
@@ -50,7 +51,7 @@ pub struct ModelRequest<'a> {
     /// Identifies the model from a record, the measured one or a replicate of it, with the choices already made.
     pub identify: Estimator<'a>,
     /// A note on why this model is asked for.
-    pub remark: Option<String>,
+    pub remark: Option<Note>,
 }
 
 impl<'a> MethodRun<'a> {
@@ -86,8 +87,8 @@ impl<'a> MethodRun<'a> {
         // Where there is no model the first failure is the answer.
         let answer = if written == 0 { failures.next() } else { None };
         for (id, error) in failures {
-            let about = About::Method(self.method.to_string());
-            results.out.notes().concern(about, Weight::Slight, format!("{id} gave no model: {}", self.reason(&error)));
+            let (method, what) = (self.method.to_string(), id.clone());
+            results.out.notes().push(NoModel { method, what, reason: self.reason(&error) });
         }
         match answer.map(|(_, error)| error) {
             // Nothing is passed on, but what was found is written: it is a result.
@@ -117,11 +118,9 @@ impl<'a> MethodRun<'a> {
         results: &mut Results<'_>,
     ) -> anyhow::Result<()> {
         let Self { method, settings, input_output, record, data, whole, .. } = self;
-        request.remark.iter().for_each(|remark| model.notes.info(remark));
+        request.remark.iter().for_each(|remark| model.notes.push(remark.clone()));
         if input_output.delay > 0 {
-            model
-                .notes
-                .info(format!("the input acts {} samples late; the model itself has no delay", input_output.delay));
+            model.notes.push(InputLate { samples: Some(input_output.delay), delay_s: None });
         }
         let choices = model.choices;
         let refit = |y: &[Vec<f64>]| {
@@ -151,9 +150,8 @@ fn hint() -> String {
     format!("lower {}, {}, or name other waveforms", flag("orders"), widen_the_window())
 }
 
-/// Why an order is tried that the record chose: the horizon of the models that were compared, and the comparison in
-/// words.
-type Choice = (Horizon, String);
+/// Why an order is tried that the record chose: the horizon of the models that were compared, and the comparison.
+type Choice = (Horizon, Note);
 
 /// One model per order.
 pub fn run(method: Method, source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
@@ -243,9 +241,7 @@ pub fn take_from_ambient(
     if order == 0 || is_ambient() != Some(true) {
         return;
     }
-    let lines = if lines > 0 { format!(" and {lines} harmonic lines") } else { String::new() };
-    out.notes()
-        .info(format!("order auto is {order}: two states for each of the {modes} modes{lines} over orders and halves"));
+    out.notes().push(OrderOfAmbient { order, modes, lines });
     for known in settings.orders.iter_mut().filter(|known| **known == automatic) {
         *known = OrderOption(Order::Given(order));
     }
@@ -260,20 +256,19 @@ fn choose_order(
     input_output: &InputOutputSettings,
     out: &mut Output,
 ) -> (usize, Option<Choice>) {
+    let (method, order) = (method.to_string(), AUTOMATIC_ORDER);
     let Some(weighting) = weighting else {
-        let instead = if method == Method::Arx { "; --arx-scan compares structures" } else { "" };
-        out.notes()
-            .info(format!("{method}: order auto is not a choice of this method; {AUTOMATIC_ORDER} is used{instead}"));
-        return (AUTOMATIC_ORDER, None);
+        out.notes().push(OrderIsFixed { method, order });
+        return (order, None);
     };
     match chosen_order(weighting, max_order, data, input_output) {
         Ok((order, horizon, why)) => {
-            out.notes().info(format!("{method}: {why}"));
+            out.notes().push(of_model(&method, why.clone()));
             (order, Some((horizon, why)))
         }
         Err(reason) => {
-            out.notes().warning(format!("{method}: no order can be chosen ({reason}); {AUTOMATIC_ORDER} is used"));
-            (AUTOMATIC_ORDER, None)
+            out.notes().push(NoOrderChosen { method, reason, order });
+            (order, None)
         }
     }
 }
@@ -313,10 +308,8 @@ fn by_output_error(
     let mut notes = Notes::new();
     let copies = data.inputs().len().min(data.outputs().len());
     if copies > 1 {
-        notes.info(format!(
-            "all paths share {order} poles, each with a numerator of its own: the model has {} states",
-            copies * order
-        ));
+        let (poles, states) = (Some(order), Some(copies * order));
+        notes.push(StatesOfPaths { poles, lags: None, outputs: None, states });
     }
     let pole_deviations = fit.pole_deviations;
     // The poles of the model are those of the chain, some several times.
@@ -335,4 +328,79 @@ fn by_output_error(
         notes,
         ..DiscreteModel::new(fit.model, fit.criteria.parameters)
     })
+}
+
+remarks! {
+    /// Remarks of methods that identify one model a request.
+    pub REMARKS;
+
+    /// A method, or one order of it, gave no model.
+    CR431 NoModel { method: String, what: String, reason: String }
+    bears on (About::Method(method.clone()), Weight::Slight)
+    decided "The method refuses the samples or the settings, or what it found does not follow the record."
+    means "Nothing is written for it. Models of other orders and methods are not touched by it."
+    remedy "do what the sentence says, try a lower order: --orders, or leave the method out: --methods"
+    says format!("{what} gave no model: {reason}");
+
+    /// The input acts late.
+    CR432 InputLate { samples: Option<usize>, delay_s: Option<f64> }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "--delay states it in samples, or the record chose it: --delay auto."
+    means "Matrices and coefficients leave the delay out. Simulate with an input that is late by as much: delay_s."
+    remedy "nothing; --delay changes it"
+    says match samples {
+        Some(samples) => format!("the input acts {samples} samples late; the model itself has no delay"),
+        None => format!(
+            "the input acts {:.6} s late: the coefficients have no delay in them, delay_s and the responses have",
+            delay_s.unwrap_or_default()
+        ),
+    };
+
+    /// The order follows from the modes of a record without an input.
+    CR433 OrderOfAmbient { order: usize, modes: usize, lines: usize }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "Two states for each mode that orders and both halves of the record share, and for each line of a machine."
+    means "The model has room for what the record shows twice, and for nothing else."
+    remedy "nothing; --orders takes another number of states"
+    says {
+        let lines = if *lines > 0 { format!(" and {lines} harmonic lines") } else { String::new() };
+        format!("order auto is {order}: two states for each of the {modes} modes{lines} over orders and halves")
+    };
+
+    /// The method does not choose an order: a fixed one is used.
+    CR434 OrderIsFixed { method: String, order: usize }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "Order auto is a choice of era, n4sid, moesp and cva. Other methods take 4."
+    means "Nothing says that this order is the right one for the record."
+    remedy "name the orders to compare, e.g. --orders 2,4,6; for arx --arx-scan"
+    says {
+        let instead = if method == "arx" { "; --arx-scan compares structures" } else { "" };
+        format!("{method}: order auto is not a choice of this method; {order} is used{instead}")
+    };
+
+    /// The record has no model to choose an order by: a fixed one is used.
+    CR435 NoOrderChosen { method: String, reason: String, order: usize }
+    bears on (About::IdentifiedModels, Weight::Slight)
+    decided "Models of all orders are to be compared by the BIC of their simulation; the sentence says why there is \
+             none."
+    means "Nothing says that this order is the right one for the record."
+    remedy "widen the window: --from, --to, lower --max-order, or name the orders: --orders"
+    says format!("{method}: no order can be chosen ({reason}); {order} is used");
+
+    /// Paths of several inputs and outputs share their poles.
+    CR436 StatesOfPaths {
+        poles: Option<usize>, lags: Option<usize>, outputs: Option<usize>, states: Option<usize>
+    }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "A structure has one set of modes, so that all paths have one denominator. arx takes as many lags of all \
+             outputs as make the order."
+    means "The model may have more states than the order asked for, and the same pole several times."
+    remedy "nothing; identify paths that are different systems in runs of their own"
+    says match (poles.zip(*states), lags.zip(*outputs)) {
+        (Some((poles, states)), _) => format!(
+            "all paths share {poles} poles, each with a numerator of its own: the model has {states} states"
+        ),
+        (None, Some((lags, outputs))) => format!("{lags} lags of {outputs} outputs make {} states", lags * outputs),
+        (None, None) => "one denominator for all paths, a numerator for each".to_owned(),
+    };
 }

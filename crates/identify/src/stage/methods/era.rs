@@ -1,13 +1,16 @@
 //! The method `era`: records taken for impulse responses.
 
-use crumple_signal::{About, QuantityKind, Weight};
+use crumple_signal::{About, QuantityKind, Weight, remarks};
 use crumple_stage::{Outcome, Output, RefuseExt};
 use crumple_sysid::{Era, EraError, EraOptions, MarkovParameters, Order, Realization, caveats, era_order_scan_of};
 
+use crate::stage::methods::discrete::NoModel;
 use crate::stage::options::choices::{Method, Paper};
 use crate::stage::options::orders::OrderOption;
 use crate::stage::options::paper;
+use crate::stage::options::paper::AsPrinted;
 use crate::stage::options::settings::Settings;
+use crate::stage::records::discrete::PartFailed;
 use crate::stage::records::evidence::pole_record;
 use crate::stage::records::realization;
 use crate::stage::records::realization::{RealizationTask, put_realization};
@@ -40,19 +43,13 @@ pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outc
     };
     let names = channels.join(", ");
     let waves = sampled_together(channels, source)?;
-    waves.iter().filter_map(WindowedWave::removed_in_words).for_each(|text| results.out.notes().info(text));
+    waves.iter().filter_map(WindowedWave::removed).for_each(|note| results.out.notes().push(note));
     let free = settings.hankel.as_ref().is_some_and(|hankel| hankel.free_decay_share.is_some());
     let treated_as = if free { "free-decay" } else { "impulse-response" };
     if !free {
-        let pulse = source.is_of_a_crash() && waves.iter().any(|wave| wave.quantity == QuantityKind::Acceleration);
-        results.out.notes().info(format!(
-            "era: {names} is treated as an impulse response{}",
-            if pulse {
-                "; of a crash pulse the strongest poles are often those of its filter and of its shape, not of the car"
-            } else {
-                ""
-            }
-        ));
+        let is_pulse = |wave: &&WindowedWave| wave.quantity == QuantityKind::Acceleration && source.is_of_a_crash();
+        let pulse = waves.iter().find(is_pulse).map(|wave| wave.id.clone());
+        results.out.notes().push(TakenAsImpulse { channels: names.clone(), pulse });
     }
     let is_table = source.test.channels.iter().any(|c| c.quantity == QuantityKind::VelocityChange);
     let task = EraRun { settings, waves: &waves, treated_as, remarks: &[], is_table };
@@ -73,7 +70,7 @@ pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outc
                 )?;
             }
             Err(error) if is_table && is_too_short(&error) => {}
-            Err(error) => results.out.notes().warning(format!("era: no stabilisation diagram: {error}")),
+            Err(error) => results.out.notes().push(PartFailed::diagram("era", &error)),
         }
     }
     let orders: Vec<Order> = settings.orders.iter().map(|order| order.0).collect();
@@ -93,7 +90,7 @@ fn sampled_together(ids: Vec<String>, source: Source<'_>) -> anyhow::Result<Vec<
 /// The realisations of the paper: each order from its own number of samples, as far as the record has them.
 fn run_paper(task: &EraRun<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
     let remarks = paper::remarks(Paper::Era);
-    remarks.iter().for_each(|remark| results.out.notes().info(*remark));
+    remarks.iter().for_each(|remark| results.out.notes().push(AsPrinted::new(remark)));
     let mut outcome = Outcome::Done;
     // A window shorter than the samples of two runs makes one of them.
     let mut written = Vec::new();
@@ -113,7 +110,7 @@ fn run_paper(task: &EraRun<'_>, results: &mut Results<'_>) -> anyhow::Result<Out
             .collect();
         let available = shorter[0].sampled.len();
         if available < samples {
-            results.out.notes().info(format!("paper era: the window has {available} samples, not {samples}"));
+            results.out.notes().push(ShortForPaper { available, samples });
         }
         match realize_all(&EraRun { waves: &shorter, remarks, ..*task }, &[order], &mut written, results)? {
             Outcome::Done => {}
@@ -126,7 +123,7 @@ fn run_paper(task: &EraRun<'_>, results: &mut Results<'_>) -> anyhow::Result<Out
 /// A recorder's table that is too short for a model has none: what it says of the impact is no worse without one.
 fn left_out(waves: &[WindowedWave], results: &mut Results<'_>) -> Outcome {
     let rows = waves[0].sampled.len();
-    results.out.notes().info(format!("era is left out: {rows} rows of a recorder are too few for a model"));
+    results.out.notes().push(RowsTooFew { rows });
     Outcome::Done
 }
 
@@ -187,15 +184,15 @@ fn realize_all(
         };
         let record = pole_record(&[&waves[0]]);
         let mut notes = caveats(&realization.id(model.order()), &model, record, filter_edges(waves));
-        remarks.iter().for_each(|remark| notes.info(*remark));
+        remarks.iter().for_each(|remark| notes.push(AsPrinted::new(remark)));
         put_realization(&model, &realization, notes, results)?;
     }
     let mut failures = failures.into_iter();
     // Where there is no model the first failure is the answer.
     let answer = if written.len() == before { failures.next() } else { None };
     for (order, error) in failures {
-        let text = format!("era of order {} gave no model: {error}", OrderOption(order));
-        results.out.notes().concern(About::Method(Method::Era.to_string()), Weight::Slight, text);
+        let (method, what) = (Method::Era.to_string(), format!("era of order {}", OrderOption(order)));
+        results.out.notes().push(NoModel { method, what, reason: error.to_string() });
     }
     if let Some((_, error)) = answer {
         if is_table && is_too_short(&error) {
@@ -259,7 +256,7 @@ fn decompose<'a>(
 fn realize(era: &Decomposed<'_>, order: Order, out: &mut Output) -> Result<Realization, EraError> {
     match era.realize(order) {
         Err(error @ EraError::OrderAboveRank { rank, .. }) if rank > 0 => {
-            out.notes().info(format!("{error}: order {rank} is used, which follows the record to rounding"));
+            out.notes().push(RankUsed { reason: error.to_string(), rank });
             match era {
                 Decomposed::Sized(all) => {
                     let sized = all.iter().find(|(sized_for, _)| *sized_for == order);
@@ -270,4 +267,48 @@ fn realize(era: &Decomposed<'_>, order: Order, out: &mut Output) -> Result<Reali
         }
         result => result,
     }
+}
+
+remarks! {
+    /// Remarks of era.
+    pub REMARKS;
+
+    /// A record is taken for an impulse response.
+    CR437 TakenAsImpulse { channels: String, pulse: Option<String> }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "The method era does it, unless --free-decay starts the window behind the contact."
+    means "Poles and modes hold where nothing drives the system. B, C and D have no physical meaning. Poles of a pulse \
+           may be those of its filter and of its shape (docs/methods/era.md)."
+    remedy "nothing; tfest, n4sid and others take the input into account, --free-decay starts behind the contact"
+    says {
+        let pulse = pulse.as_ref().map_or(
+            "",
+            |_| "; of a crash pulse the strongest poles are often those of its filter and of its shape, not of the car",
+        );
+        format!("era: {channels} is treated as an impulse response{pulse}")
+    };
+
+    /// The window has fewer samples than the procedure of the paper takes.
+    CR438 ShortForPaper { available: usize, samples: usize }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "--paper era takes two states from 100 and from 50 samples, four from 60 and from 2501."
+    means "The model is made from all samples of the window. It is not comparable with the one of the paper."
+    remedy "widen the window: --from, --to"
+    says format!("paper era: the window has {available} samples, not {samples}");
+
+    /// The table of an event data recorder has too few rows for a model of era.
+    CR439 RowsTooFew { rows: usize }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "The Hankel matrix of the order asked for has more rows and columns than the table can fill."
+    means "There is no model of era. Delta-v and the pulse of the recorder are not touched by it."
+    remedy "nothing; --orders 2 needs fewer rows"
+    says format!("era is left out: {rows} rows of a recorder are too few for a model");
+
+    /// The record shows fewer states than the order asked for: a lower order is used.
+    CR440 RankUsed { reason: String, rank: usize }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "Singular values below 1e-12 of the largest are rounding. Their number is the highest order."
+    means "The model of the lower order follows the record as well as numbers of the computer can."
+    remedy "nothing; such a record is made, or has a few samples only"
+    says format!("{reason}: order {rank} is used, which follows the record to rounding");
 }

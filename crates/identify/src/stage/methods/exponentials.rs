@@ -2,16 +2,19 @@
 
 use clap::ValueEnum;
 use crumple_numerics::lti::{Complex, Mode};
-use crumple_signal::{Notes, QuantityKind};
+use crumple_signal::{About, Notes, QuantityKind, Weight, remarks};
 use crumple_stage::records::{EvidenceV1, ExponentialTermV1};
 use crumple_stage::{Inputs, Outcome, RefuseExt, Refused};
 use crumple_sysid::{ExponentialOptions, ExponentialSumFit, ExponentialTerm, Sample, Stop, exponential_sum};
 
+use crate::stage::methods::tfest::NotDetermined;
 use crate::stage::options::choices::{Condition, Method, Paper};
 use crate::stage::options::paper;
+use crate::stage::options::paper::AsPrinted;
 use crate::stage::options::settings::{InputOutputSettings, Settings};
 use crate::stage::records::discrete::note_on_fit;
-use crate::stage::records::evidence::{NamedNumbers, Poles, notes_on_poles, pole_record};
+use crate::stage::records::evidence::{NamedNumbers, Poles, notes_on_poles, of_model, pole_record};
+use crate::stage::records::lines::ILL_CONDITIONED;
 use crate::stage::records::model::{FittedModel, Forms, Simulated, evidence_of};
 use crate::stage::records::responses::ModelResponses;
 use crate::stage::records::results::Results;
@@ -22,7 +25,7 @@ struct SumTask {
     id: String,
     options: ExponentialOptions,
     /// Notes that come before all others.
-    remarks: Vec<String>,
+    remarks: Vec<&'static str>,
     paper: Option<Paper>,
 }
 
@@ -30,7 +33,7 @@ struct SumTask {
 pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outcome> {
     let Some(input_output) = &source.settings.input_output else { return Ok(Outcome::Done) };
     let answer = output(source, input_output)?;
-    answer.removed_in_words().into_iter().for_each(|text| results.out.notes().info(text));
+    answer.removed().into_iter().for_each(|note| results.out.notes().push(note));
     let id = format!("exponentials-{}", input_output.terms);
     let options = |real: bool, start: Vec<f64>| ExponentialOptions {
         real,
@@ -46,16 +49,13 @@ pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outc
     let printed = SumTask {
         id: format!("{id}-paper"),
         options: options(true, Vec::new()),
-        remarks: paper::CURVE_FIT_REMARKS.map(str::to_owned).to_vec(),
+        remarks: paper::CURVE_FIT_REMARKS.to_vec(),
         paper: Some(paper),
     };
     // Contact: the position and the velocity of the record, as far as they are known.
     let held = if velocity(input_output, &answer, source.inputs)?.is_some() { 2 } else { 1 };
     let start = conditions(held, input_output, &answer, source.inputs)?;
-    let remark = format!(
-        "beside the paper's curve fit: the sum may oscillate, and is constrained to {} of the record at the start",
-        if held > 1 { "position and velocity" } else { "position" }
-    );
+    let remark = paper::BESIDE_CURVE_FIT[held - 1];
     let by_stage = SumTask { id, options: options(false, start), remarks: vec![remark], paper: None };
     let outcomes = [printed, by_stage].map(|task| fit_sum(&task, source.settings, &answer, results));
     // The second stands even where the first has no terms.
@@ -135,7 +135,7 @@ fn fit_sum(
     let mut notes = fit_notes(task, &fit, answer);
     let poles: Vec<Complex> = fit.terms.iter().map(|term| term.exponent).collect();
     notes.extend(notes_on_poles(id, &poles, &[answer]));
-    notes.info(format!("{id}: the record is taken for a free decay from its first sample on: nothing may drive it"));
+    notes.push(TakenAsDecay { id: id.clone() });
     note_on_fit(id, fit.fit.and_then(|fit| fit.fit_percent), &mut notes);
     let terms: Vec<ExponentialTermV1> = fit
         .terms
@@ -202,21 +202,17 @@ fn fit_sum(
 fn fit_notes(task: &SumTask, fit: &ExponentialSumFit, answer: &WindowedWave) -> Notes {
     let mut notes = Notes::new();
     let id = &task.id;
-    task.remarks.iter().for_each(|remark| notes.info(format!("{id}: {remark}")));
-    notes.info(format!("{id}: time of the exponents runs from the first sample, {} s", answer.sampled.t0_s()));
+    task.remarks.iter().for_each(|remark| notes.push(of_model(id, AsPrinted::new(remark))));
+    let start = |t0_s, value, slope_per_s| StartOfSum { id: id.clone(), t0_s, value, slope_per_s };
+    notes.push(start(Some(answer.sampled.t0_s()), None, None));
     if task.paper.is_some() {
         let sum = |part: fn(&ExponentialTerm) -> Complex| fit.terms.iter().map(part).sum::<Complex>().re;
-        notes.info(format!(
-            "{id}: at its start the sum is {:.6e}, its slope {:.6e}",
-            sum(|term| term.amplitude),
-            sum(|term| term.amplitude * term.exponent)
-        ));
+        let (value, slope) = (sum(|term| term.amplitude), sum(|term| term.amplitude * term.exponent));
+        notes.push(start(None, Some(value), Some(slope)));
     }
-    if fit.condition > 1e8 {
-        notes.warning(format!(
-            "{id}: condition number {:.1e}: this record does not determine the single terms; use their sum only",
-            fit.condition
-        ));
+    if fit.condition > ILL_CONDITIONED {
+        let (id, numbers) = (id.clone(), "terms".to_owned());
+        notes.push(NotDetermined { id, numbers, condition: Some(fit.condition), unknown: Vec::new() });
     }
     notes
 }
@@ -254,4 +250,32 @@ fn put_correlations(fit: &ExponentialSumFit, evidence: &mut EvidenceV1) {
 /// The sum at a time after the first sample.
 fn value_at(fit: &ExponentialSumFit, time_s: f64) -> f64 {
     fit.terms.iter().map(|term| (term.amplitude * (term.exponent * time_s).exp()).re).sum()
+}
+
+remarks! {
+    /// Remarks of sums of exponentials.
+    pub REMARKS;
+
+    /// Where the time of a sum of exponentials begins, and what the sum is there.
+    CR441 StartOfSum { id: String, t0_s: Option<f64>, value: Option<f64>, slope_per_s: Option<f64> }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "Amplitudes and exponents are fitted to the samples of the window, and count from its first one."
+    means "To compare amplitudes with others, move both to one time. Exponents do not depend on it."
+    remedy "nothing; --conditions holds value and slope of the record at the start"
+    says match t0_s {
+        Some(t0_s) => format!("{id}: time of the exponents runs from the first sample, {t0_s} s"),
+        None => format!(
+            "{id}: at its start the sum is {:.6e}, its slope {:.6e}",
+            value.unwrap_or_default(),
+            slope_per_s.unwrap_or_default()
+        ),
+    };
+
+    /// A record is taken for a free decay.
+    CR442 TakenAsDecay { id: String }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "The method exponentials fits the samples without an input."
+    means "Exponents are poles of the system only where nothing drives it from the first sample on."
+    remedy "start the window where the free motion begins: --from, or take a method with an input, as tfest"
+    says format!("{id}: the record is taken for a free decay from its first sample on: nothing may drive it");
 }

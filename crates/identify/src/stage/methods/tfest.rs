@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crumple_numerics::lti::{Complex, InputHold, TransferFunction};
-use crumple_signal::{Notes, QuantityKind};
+use crumple_signal::{About, Notes, QuantityKind, Weight, remarks};
 use crumple_stage::records::EvidenceV1;
 use crumple_stage::{Outcome, RefuseExt};
 use crumple_sysid::{
@@ -12,11 +12,15 @@ use crumple_sysid::{
 };
 use nalgebra::DVector;
 
+use crate::stage::methods::discrete::{InputLate, StatesOfPaths};
 use crate::stage::options::choices::Method;
 use crate::stage::options::paper;
+use crate::stage::options::paper::AsPrinted;
 use crate::stage::options::settings::{InputOutputSettings, Settings};
 use crate::stage::records::discrete::{note_on_fit, take_out_cancelled};
-use crate::stage::records::evidence::{NamedNumbers, Poles, if_determined, notes_on_poles, pole_record, put_search};
+use crate::stage::records::evidence::{
+    NamedNumbers, Poles, if_determined, notes_on_poles, of_model, pole_record, put_search,
+};
 use crate::stage::records::lines::{self, ILL_CONDITIONED, with_deviation};
 use crate::stage::records::model::{FittedModel, Forms, Simulated, evidence_of, treated_as};
 use crate::stage::records::realization::shapes;
@@ -43,16 +47,16 @@ pub fn run(source: Source<'_>, results: &mut Results<'_>) -> anyhow::Result<Outc
         let mut limit = None;
         if max_iterations < input_output.most_iterations() {
             id.push_str(&format!("-after-{max_iterations}"));
-            limit = Some(format!("{id}: every start is stopped after {max_iterations} iterations, converged or not"));
+            limit = Some(StoppedEarly { id: id.clone(), iterations: max_iterations });
         }
         if settings.paper.is_some() {
             id.push_str("-paper");
         }
         let task = TransferFunctionTask { id: &id, options: &options, settings, input_output, record: &record };
         let mut notes = Notes::new();
-        limit.into_iter().for_each(|text| notes.info(text));
+        limit.into_iter().for_each(|limit| notes.push(limit));
         if let Some(paper) = settings.paper {
-            paper::remarks(paper).iter().for_each(|remark| notes.info(*remark));
+            paper::remarks(paper).iter().for_each(|remark| notes.push(AsPrinted::new(remark)));
         }
         let hint = format!("{}, lower {}, or name other waveforms", widen_the_window(), flag("poles"));
         notes.extend(preparation(&id, &record));
@@ -74,9 +78,9 @@ fn remarks(id: &str, fit: &TransferFunctionFit, record: &Record) -> Notes {
         let numerator_is_known = unknown.is_empty() && fit.search.condition <= ILL_CONDITIONED;
         notes_on_path(id, fit, record, numerator_is_known, &mut notes);
     } else {
-        notes.info(format!("{id}: one denominator for all paths, a numerator for each"));
+        notes.push(of_model(id, StatesOfPaths { poles: None, lags: None, outputs: None, states: None }));
     }
-    coefficient_note(id, fit.search.condition, &unknown, &mut notes);
+    coefficient_note(id, fit.search.condition, unknown, &mut notes);
     for (wave, measures) in record.outputs.iter().zip(&fit.fits) {
         let name = if record.single() { id.to_owned() } else { format!("{id}, {}", wave.id) };
         note_on_fit(&name, measures.and_then(|measures| measures.fit_percent), &mut notes);
@@ -91,30 +95,28 @@ fn notes_on_path(id: &str, fit: &TransferFunctionFit, record: &Record, numerator
     let kinds = pole_kinds(&poles, pole_record(&[answer, drive]));
     let of_motion = drive.quantity == QuantityKind::Acceleration && answer.quantity == QuantityKind::Displacement;
     for (zero, deviation) in fit.zeros.iter().filter(|(zero, _)| zero.re > 0.0 && zero.im >= 0.0) {
-        let sure = deviation.map_or("not determined".to_owned(), |(re, _)| format!("standard deviation {re:.2}"));
-        let place = format!("{id}: the zero {:.4} {:+.4}i 1/s ({sure}) lies in the right half plane", zero.re, zero.im);
-        let is_there = deviation.is_some_and(|(re, _)| zero.re > 1.96 * re);
-        if of_motion && numerator_is_known && is_there {
-            notes.warning(format!(
-                "{place}: a chain of springs and dampers has it at -k2/c2, on the left; with positive constants this \
-                 model is impossible"
-            ));
+        let deviation_per_s = deviation.map(|(re, _)| re);
+        let (id, re_per_s, im_rad_per_s) = (id.to_owned(), zero.re, zero.im);
+        if of_motion && numerator_is_known && deviation_per_s.is_some_and(|re| zero.re > 1.96 * re) {
+            notes.push(ImpossibleZero { id, re_per_s, im_rad_per_s, deviation_per_s });
         } else {
-            notes.info(place);
+            notes.push(RightHalfPlaneZero { id, re_per_s, im_rad_per_s, deviation_per_s });
         }
     }
-    let gain = fit.entries[0][0].at(Complex::new(0.0, 0.0)).re;
+    let gain_s2 = fit.entries[0][0].at(Complex::new(0.0, 0.0)).re;
     if of_motion && !kinds.contains(&PoleKind::Integrator) && poles.iter().all(|s| s.re < 0.0) {
-        let exact = "the true system is 1/s^2 and has none";
-        if gain < 0.0 && numerator_is_known {
-            notes.warning(format!(
-                "{id}: the gain at rest, {gain:.4e} s^2, is negative: a steady forward acceleration would move the \
-                 body backward; {exact}"
-            ));
+        if gain_s2 < 0.0 && numerator_is_known {
+            notes.push(NegativeGain { id: id.to_owned(), gain_s2 });
         } else {
-            notes.info(format!("{id}: the gain at rest is {gain:.4e} s^2; {exact}"));
+            notes.push(GainAtRest { id: id.to_owned(), gain_s2 });
         }
     }
+}
+
+/// A zero in the right half plane, and how sure it is.
+fn zero_in_words(id: &str, re: f64, im: f64, deviation: Option<f64>) -> String {
+    let sure = deviation.map_or("not determined".to_owned(), |re| format!("standard deviation {re:.2}"));
+    format!("{id}: the zero {re:.4} {im:+.4}i 1/s ({sure}) lies in the right half plane")
 }
 
 /// Coefficients of a numerator of which each may have either sign at 95 %, in words; none where one is known.
@@ -129,17 +131,11 @@ fn unknown_coefficients(fit: &TransferFunctionFit) -> Vec<String> {
 }
 
 /// One warning where coefficients are not known: those of either sign, and the condition of all.
-fn coefficient_note(id: &str, condition: f64, unknown: &[String], notes: &mut Notes) {
-    let ill = condition > ILL_CONDITIONED;
-    let why = match (unknown.is_empty(), ill) {
-        (true, false) => return,
-        (true, true) => format!("condition number {condition:.1e}"),
-        (false, _) => {
-            let also = if ill { format!("; condition number {condition:.1e}") } else { String::new() };
-            format!("of the numerator {} may have either sign (at 95 %){also}", unknown.join(", "))
-        }
-    };
-    notes.warning(format!("{id}: this record does not determine the single coefficients: {why}"));
+fn coefficient_note(id: &str, condition: f64, unknown: Vec<String>, notes: &mut Notes) {
+    let condition = Some(condition).filter(|condition| *condition > ILL_CONDITIONED);
+    if condition.is_some() || !unknown.is_empty() {
+        notes.push(NotDetermined { id: id.to_owned(), numbers: "coefficients".to_owned(), condition, unknown });
+    }
 }
 
 /// What is known of every output.
@@ -295,12 +291,91 @@ pub struct TransferFunctionTask<'a> {
 /// What was done to the waveforms before the fit.
 pub fn preparation(id: &str, record: &Record) -> Notes {
     let mut notes = Notes::new();
-    record.remarks.iter().for_each(|remark| notes.info(format!("{id}: {remark}")));
-    if let Some(delay_s) = record.delay_s {
-        notes.info(format!(
-            "{id}: the input acts {delay_s:.6} s late: the coefficients have no delay in them, delay_s and the \
-             responses have"
-        ));
+    record.remarks.iter().for_each(|remark| notes.push(of_model(id, remark.clone())));
+    if record.delay_s.is_some() {
+        notes.push(of_model(id, InputLate { samples: None, delay_s: record.delay_s }));
     }
     notes
+}
+
+remarks! {
+    /// Remarks of transfer functions.
+    pub REMARKS;
+
+    /// The fit was stopped after a few iterations.
+    CR452 StoppedEarly { id: String, iterations: u32 }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "--max-iterations has several numbers: the largest gives the model to use, each smaller one a model of its \
+             own."
+    means "The model shows how far a fit of so many iterations is from the converged one. It is not the one to use."
+    remedy "nothing; use the model without \"after\" in its name"
+    says format!("{id}: every start is stopped after {iterations} iterations, converged or not");
+
+    /// A transfer function has a zero in the right half plane.
+    CR453 RightHalfPlaneZero { id: String, re_per_s: f64, im_rad_per_s: f64, deviation_per_s: Option<f64> }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "The real part of the zero is above 0."
+    means "The response starts against its final direction. A delay looks like this, and so does a zero that is not \
+           known."
+    remedy "nothing, unless a delay is likely: --delay auto"
+    says zero_in_words(id, *re_per_s, *im_rad_per_s, *deviation_per_s);
+
+    /// A zero from acceleration to displacement lies where springs and dampers have none.
+    CR454 ImpossibleZero { id: String, re_per_s: f64, im_rad_per_s: f64, deviation_per_s: Option<f64> }
+    bears on (About::IdentifiedModels, Weight::Slight)
+    decided "The real part of the zero is above 0 by more than 1.96 standard deviations, which is 95 %, and the \
+             numerator is known."
+    means "No positive springs and dampers give this model. Use its curve, and read no constants from it."
+    remedy "do not solve for springs and dampers; try other numbers of poles and zeros: --poles, --zeros"
+    says format!(
+        "{}: a chain of springs and dampers has it at -k2/c2, on the left; with positive constants this model is \
+         impossible",
+        zero_in_words(id, *re_per_s, *im_rad_per_s, *deviation_per_s)
+    );
+
+    /// A transfer function from acceleration to displacement has a gain at rest, and the true one has none.
+    CR455 GainAtRest { id: String, gain_s2: f64 }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "All poles decay, and none is an integrator. From an acceleration to its own displacement the truth is \
+             1/s^2 (docs/methods/identification.md)."
+    means "The gain follows from the length of the record. It says nothing of a stiffness."
+    remedy "nothing; stiffness and damping need an input and an output at two places: --inputs, --outputs"
+    says format!("{id}: the gain at rest is {gain_s2:.4e} s^2; the true system is 1/s^2 and has none");
+
+    /// The gain at rest from acceleration to displacement is negative.
+    CR456 NegativeGain { id: String, gain_s2: f64 }
+    bears on (About::IdentifiedModels, Weight::Slight)
+    decided "All poles decay, none is an integrator, the numerator is known, and the gain at rest is below 0."
+    means "A steady forward acceleration would move the body backward. Use the curve within the window only."
+    remedy "do not solve for springs and dampers; take an input and an output at two places: --inputs, --outputs"
+    says format!(
+        "{id}: the gain at rest, {gain_s2:.4e} s^2, is negative: a steady forward acceleration would move the body \
+         backward; the true system is 1/s^2 and has none"
+    );
+
+    /// The record does not determine the single numbers of the model.
+    CR457 NotDetermined { id: String, numbers: String, condition: Option<f64>, unknown: Vec<String> }
+    bears on (About::IdentifiedModels, Weight::Slight)
+    decided "The condition number of the sensitivities is above 1e8, or each coefficient of the numerator may have \
+             either sign at 95 %."
+    means "Other numbers follow the record as well. The curve of the model holds, its single numbers do not."
+    remedy "use the curve only, or fewer poles, zeros or terms: --poles, --zeros, --terms"
+    says match (&numbers[..], condition, &unknown[..]) {
+        ("terms", condition, _) => format!(
+            "{id}: condition number {:.1e}: this record does not determine the single terms; use their sum only",
+            condition.unwrap_or(f64::INFINITY)
+        ),
+        (_, condition, []) => format!(
+            "{id}: this record does not determine the single {numbers}: condition number {:.1e}",
+            condition.unwrap_or(f64::INFINITY)
+        ),
+        (_, condition, several) => {
+            let also = condition.map_or_else(String::new, |condition| format!("; condition number {condition:.1e}"));
+            format!(
+                "{id}: this record does not determine the single {numbers}: of the numerator {} may have either sign \
+                 (at 95 %){also}",
+                several.join(", ")
+            )
+        }
+    };
 }

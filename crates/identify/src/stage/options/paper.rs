@@ -1,5 +1,6 @@
 //! The procedures of the papers, as printed.
 
+use crumple_signal::{About, Weight, remarks};
 use crumple_stage::Usage;
 use crumple_sysid::Order;
 
@@ -18,6 +19,13 @@ pub const CURVE_FIT_REMARKS: [&str; 3] = [
      -0.05 m with 20.2 m/s, of a car of 9.7 m/s",
     "paper curve-fit: a record does not determine eight numbers of four nearly equal exponents (condition number of \
      the printed ones 2e11); exponentials-4 beside it is constrained at the start and may oscillate",
+];
+
+/// What is said of the sum beside it, which has the position of the record at the start, or its velocity too.
+pub const BESIDE_CURVE_FIT: [&str; 2] = [
+    "beside the paper's curve fit: the sum may oscillate, and is constrained to position of the record at the start",
+    "beside the paper's curve fit: the sum may oscillate, and is constrained to position and velocity of the record at \
+     the start",
 ];
 
 /// Whether the exponentials of a run with this paper are its curve fit.
@@ -103,4 +111,25 @@ pub fn remarks(paper: Paper) -> &'static [&'static str] {
         ],
         Paper::CurveFit => &[],
     }
+}
+
+impl AsPrinted {
+    /// One of the texts above.
+    pub fn new(remark: &str) -> Self {
+        Self { reason: remark.to_owned() }
+    }
+}
+
+remarks! {
+    /// Remarks of procedures of the papers.
+    pub REMARKS;
+
+    /// A model follows the procedure of a paper as printed, or stands beside such a one.
+    CR458 AsPrinted { reason: String }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "--paper asks for it. The texts compare what is printed with what the stage does otherwise \
+             (docs/papers.md)."
+    means "The model is for comparison with the paper. It is not the one to use."
+    remedy "nothing; leave --paper out for the models of the stage itself"
+    says reason.clone();
 }

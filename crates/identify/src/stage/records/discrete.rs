@@ -1,7 +1,7 @@
 //! Discrete models: what an estimator gives, whether it is accepted, and its records.
 
 use crumple_numerics::lti::{Complex, InputHold, LtiError, Mode, StateSpace, to_continuous, to_transfer_function};
-use crumple_signal::{Note, Notes};
+use crumple_signal::{About, Note, Notes, Weight, remarks};
 use crumple_stage::records::{EvidenceV1, ShapesV1};
 use crumple_sysid::{
     Cancelled, IdentifyError, IoData, MissReason, PoleKind, cancelled_poles, fit_measures, mode_shapes,
@@ -11,7 +11,7 @@ use crumple_sysid::{
 use crate::stage::options::choices::{Hold, Method};
 use crate::stage::options::settings::BootstrapSettings;
 use crate::stage::records::evidence::{
-    NamedNumbers, Poles, clear_simulation, notes_on_poles, pole_record, prediction_tests,
+    NamedNumbers, Poles, clear_simulation, notes_on_poles, of_model, pole_record, prediction_tests,
 };
 use crate::stage::records::lines;
 use crate::stage::records::model::{FittedModel, Forms, Simulated, evidence_of, treated_as};
@@ -107,10 +107,7 @@ pub fn simulate_accepted(
         IdentifyError::Misses { why: MissReason::Grows { factor }, .. }
             if allow_unstable && !model.predicted.is_empty() =>
         {
-            model.notes.warning(format!(
-                "the model grows by a factor {factor:.4} per sample and cannot be simulated: its poles and its \
-                 one-step prediction can be used, its output cannot"
-            ));
+            model.notes.push(NotSimulated { factor });
             Ok((Vec::new(), model))
         }
         error => Err(error),
@@ -128,8 +125,8 @@ pub fn simulate_accepted(
         match fit.fit_percent.filter(|fit| *fit < LEAST_FIT_PERCENT) {
             Some(percent) if fit.vaf_percent.is_none_or(|vaf| vaf <= 0.0) => return refused(percent, model),
             _ => {
-                if let Some(text) = fit.fit_percent.and_then(fit_warning) {
-                    model.notes.warning(text);
+                if let Some(note) = fit.fit_percent.and_then(fit_warning) {
+                    model.notes.push(note);
                 }
             }
         }
@@ -152,20 +149,17 @@ fn miss(fit_percent: f64, model: &DiscreteModel) -> IdentifyError {
 }
 
 /// The warning about a fit that passes: that the level of the record is missed, or most of its variance.
-fn fit_warning(percent: f64) -> Option<String> {
-    if percent < LEAST_FIT_PERCENT {
-        return Some(format!(
-            "fit {percent:.1} %: the model misses the level of the record; a linear model has no constant, see \
-             --remove-mean"
-        ));
+fn fit_warning(fit_percent: f64) -> Option<Note> {
+    if fit_percent < LEAST_FIT_PERCENT {
+        return Some(LevelMissed { fit_percent }.into());
     }
-    weak_fit(percent)
+    weak_fit(fit_percent).map(Note::from)
 }
 
 /// The same warning for a model that was fitted to the simulation itself, so that it is no worse than silence.
 pub fn note_on_fit(id: &str, fit_percent: Option<f64>, notes: &mut Notes) {
-    if let Some(text) = fit_percent.and_then(fit_warning) {
-        notes.warning(format!("{id}: {text}"));
+    if let Some(note) = fit_percent.and_then(fit_warning) {
+        notes.push(of_model(id, note));
     }
 }
 
@@ -203,8 +197,7 @@ pub fn put_discrete_model(
 ) -> anyhow::Result<()> {
     let DiscreteTask { id, method, order, record, .. } = *task;
     let mut notes = Notes::new();
-    record.remarks.iter().for_each(|remark| notes.info(format!("{id}: {remark}")));
-    model.notes.iter().for_each(|note| notes.push(Note { text: format!("{id}: {}", note.text), ..note.clone() }));
+    record.remarks.iter().chain(model.notes.iter()).for_each(|note| notes.push(of_model(id, note.clone())));
     let (forms, continuous) = forms(task, &model, &mut notes)?;
     let (discrete_poles, mut poles, shapes) = modes(task, &model.state_space)?;
     if !used.is_empty() {
@@ -224,7 +217,7 @@ pub fn put_discrete_model(
         _ if !is_simulated => Simulated::all_used(used),
         Ok(simulated) => simulated,
         Err(error) => {
-            notes.warning(format!("{id}: no validation: {error}"));
+            notes.push(PartFailed { id: id.to_owned(), part: "validation".to_owned(), reason: error.to_string() });
             Simulated::all_used(used)
         }
     };
@@ -290,16 +283,11 @@ fn forms(
     let result = match to_continuous(&model.state_space, task.input_hold()) {
         Ok(result) => result,
         Err(error) => {
-            notes.info(format!("{id}: no continuous model: {error}"));
+            notes.push(PartLeftOut::new(id, "continuous model", &error));
             return Ok((Forms { state_spaces, ..Forms::default() }, None));
         }
     };
-    for z in &result.conjugated {
-        notes.info(format!(
-            "{id}: the pole z = {z:.6} has no continuous counterpart: the continuous model has one more state, a \
-             conjugate at the Nyquist frequency, and agrees at the samples only"
-        ));
-    }
+    result.conjugated.iter().for_each(|z| notes.push(PoleConjugated { id: id.to_owned(), z: *z }));
     let continuous = result.model;
     state_spaces.push(("continuous", continuous.clone(), input));
     let paths = match continuous.order() <= MOST_COEFFICIENTS {
@@ -307,7 +295,7 @@ fn forms(
         false => Ok(Vec::new()),
     };
     let paths = paths.unwrap_or_else(|error| {
-        notes.info(format!("{id}: no transfer function: {error}"));
+        notes.push(PartLeftOut::new(id, "transfer function", &error));
         Vec::new()
     });
     Ok((Forms { state_spaces, paths, ..Forms::default() }, Some(continuous)))
@@ -373,13 +361,19 @@ pub fn take_out_cancelled(
     let places: Vec<usize> = (0..sampled.len()).filter(|k| surplus.contains(&sampled[*k])).collect();
     places.iter().for_each(|place| poles.take_out(*place, PoleKind::Cancelled));
     let upper = places.iter().filter(|place| sampled[**place].im >= 0.0);
-    let names: Vec<String> = upper.map(|place| format!("{} Hz", lines::digits(poles.natural_hz(*place)))).collect();
-    let (count, rest) = (places.len(), sampled.len() - places.len());
-    notes.warning(format!(
-        "{id}: zeros cancel the poles at {}: they are no modes. A model of {rest} poles, {count} fewer, is as good \
-         by BIC (fit {without_percent:.2} % against {fit_percent:.2} %)",
-        names.join(", ")
-    ));
+    notes.push(PolesCancelled {
+        id: id.to_owned(),
+        frequencies: upper.map(|place| format!("{} Hz", lines::digits(poles.natural_hz(*place)))).collect(),
+        rest: sampled.len() - places.len(),
+        fewer: places.len(),
+        fit_percent,
+        without_percent,
+    });
+}
+
+/// Why there are no standard deviations.
+fn no_covariance(method: &str) -> String {
+    format!("{method} has no covariance of its poles that is known; --bootstrap 200 gives their spread")
 }
 
 /// Fills in what the method tells of its fit: one-step predictions, deviations of the `poles`, losses, or why there are
@@ -393,16 +387,14 @@ fn fill_evidence(
 ) {
     let DiscreteTask { method, record, hold, .. } = *task;
     let deviations = model.deviations.as_ref().map(|deviations| deviations(poles)).unwrap_or_default();
-    let no_deviations = model.deviations.is_none().then(|| match method {
-        Method::Arx => {
-            "arx of several outputs has no covariance of its poles that is known; --bootstrap 200 gives their spread"
-                .to_owned()
-        }
-        _ => format!("{method} has no covariance of its poles that is known; --bootstrap 200 gives their spread"),
+    let without = model.deviations.is_none().then(|| match method {
+        Method::Arx => "arx of several outputs".to_owned(),
+        _ => method.to_string(),
     });
-    if let Some(why) = no_deviations.iter().find(|_| task.bootstrap.is_none()) {
-        notes.info(format!("{}: no standard deviations: {why}", task.id));
+    if let Some(method) = without.iter().find(|_| task.bootstrap.is_none()) {
+        notes.push(NoDeviations { id: task.id.to_owned(), method: method.clone() });
     }
+    let no_deviations = without.as_deref().map(no_covariance);
     // In units of the output if there is one.
     let unit = if let [scale] = record.data.output_scales()[..] { scale * scale } else { 1.0 };
     let losses: Vec<f64> = model.losses.iter().map(|loss| loss * unit).collect();
@@ -428,11 +420,7 @@ fn fill_evidence(
         output_evidence.damping_deviations = deviations.iter().map(|d| d.map(|d| d.1)).collect();
     }
     if !model.predicted.is_empty() {
-        notes.info(format!(
-            "{}: whiteness and correlation with the input are those of the one-step prediction errors, all else of \
-             the simulation",
-            task.id
-        ));
+        notes.push(TestsOfPrediction { id: task.id.to_owned() });
     }
 }
 
@@ -453,4 +441,111 @@ fn responses_of<'a>(
         samples: answer.sampled.len(),
         delay,
     })
+}
+
+impl PartFailed {
+    /// Of the stabilisation diagram of a method.
+    pub fn diagram(method: &str, reason: &impl ToString) -> Self {
+        let part = "stabilisation diagram".to_owned();
+        Self { id: method.to_owned(), part, reason: reason.to_string() }
+    }
+}
+
+impl PartLeftOut {
+    /// Of a model or a method.
+    pub fn new(id: &str, part: &str, reason: &impl ToString) -> Self {
+        Self { id: id.to_owned(), part: part.to_owned(), reason: reason.to_string() }
+    }
+}
+
+remarks! {
+    /// Remarks of sampled models, and of parts that a model lacks.
+    pub REMARKS;
+
+    /// A model grows, and is written without a simulation.
+    CR459 NotSimulated { factor: f64 }
+    bears on (About::IdentifiedModels, Weight::Slight)
+    decided "A pole has a modulus above 1, the simulation misses the record, and --allow-unstable is given."
+    means "Its poles and its one-step prediction hold, as of a plant in a loop. It has no output and no fit."
+    remedy "use its poles, or leave --allow-unstable out"
+    says format!(
+        "the model grows by a factor {factor:.4} per sample and cannot be simulated: its poles and its one-step \
+         prediction can be used, its output cannot"
+    );
+
+    /// A model misses the level of the record.
+    CR460 LevelMissed { fit_percent: f64 }
+    bears on (About::IdentifiedModels, Weight::Slight)
+    decided "The fit of the simulation is below -100 %."
+    means "The model may follow the motion about the level, but not the level: a linear model has no constant."
+    remedy "add --remove-mean"
+    says format!(
+        "fit {fit_percent:.1} %: the model misses the level of the record; a linear model has no constant, see \
+         --remove-mean"
+    );
+
+    /// A part of the result that was asked for could not be made.
+    CR461 PartFailed { id: String, part: String, reason: String }
+    bears on (About::IdentifiedModels, Weight::Slight)
+    decided "The validation runs the model on over the samples kept by --validate-from; a stabilisation diagram needs \
+             models of several orders from one factorisation. The sentence says what is in the way."
+    means "The model itself is written, without this part."
+    remedy "do what the sentence says, or widen the window: --from, --to"
+    says format!("{id}: no {part}: {reason}");
+
+    /// A form of a model, or the diagram of a method, does not exist.
+    CR462 PartLeftOut { id: String, part: String, reason: String }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "A continuous model is a logarithm that a sampled one may not have. A transfer function needs coefficients \
+             that can be computed. A stabilisation diagram needs orders of two and more."
+    means "What is written of the model holds. This form of it is missing."
+    remedy "nothing; a lower order may have it: --orders"
+    says format!("{id}: no {part}: {reason}");
+
+    /// The continuous model has one more state than the sampled one.
+    CR463 PoleConjugated { id: String, z: f64 }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "A negative real pole of a sampled model has no real logarithm. It gets a conjugate at the Nyquist \
+             frequency."
+    means "Both models agree at the samples. Between them the continuous one oscillates at the Nyquist frequency."
+    remedy "use the sampled model, or try another order: --orders"
+    says format!(
+        "{id}: the pole z = {z:.6} has no continuous counterpart: the continuous model has one more state, a conjugate \
+         at the Nyquist frequency, and agrees at the samples only"
+    );
+
+    /// Zeros cancel poles of the model: the order is too high.
+    CR464 PolesCancelled {
+        id: String, frequencies: Vec<String>, rest: usize, fewer: usize, fit_percent: f64, without_percent: f64
+    }
+    bears on (About::IdentifiedModels, Weight::Slight)
+    decided "Output error is fitted again without each pole or pair. BIC falls, and of one input and one output a zero \
+             lies beside the pole, no further than noise brings it at 95 % (Ljung, System Identification, 1999, ch. \
+             16)."
+    means "These poles are products of noise. They are not among the modes and have no interval; the output holds."
+    remedy "identify with fewer states: --orders, --poles"
+    says format!(
+        "{id}: zeros cancel the poles at {}: they are no modes. A model of {rest} poles, {fewer} fewer, is as good by \
+         BIC (fit {without_percent:.2} % against {fit_percent:.2} %)",
+        frequencies.join(", ")
+    );
+
+    /// The method has no standard deviations of its own.
+    CR465 NoDeviations { id: String, method: String }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "tfest, exponentials, output-error, and arx of one output have a linearised covariance; others have none."
+    means "Frequencies and damping ratios have no error beside them."
+    remedy "add --bootstrap 60: standard deviations and 90 % intervals of every method"
+    says format!("{id}: no standard deviations: {}", no_covariance(method));
+
+    /// Residual tests are those of the one-step prediction.
+    CR466 TestsOfPrediction { id: String }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "arx and okid are fitted to the one-step prediction, whose errors are white where the model is true."
+    means "Whiteness and correlation say whether the prediction is complete. Fit and criteria are of the simulation."
+    remedy "nothing"
+    says format!(
+        "{id}: whiteness and correlation with the input are those of the one-step prediction errors, all else of the \
+         simulation"
+    );
 }

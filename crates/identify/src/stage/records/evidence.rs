@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crumple_numerics::lti::{Complex, Mode};
-use crumple_signal::{Notes, QuantityKind};
+use crumple_signal::{Note, Notes, QuantityKind, Value};
 use crumple_stage::records::{
     EvidenceV1, IdentificationV1, ModeKindV1, ModeV1, ModesV2, OtherPoleKindV1, OtherPoleV1, SpreadV1,
 };
@@ -270,6 +270,13 @@ pub fn prediction_tests(inputs: &[Vec<f64>], errors: &[f64], from: usize) -> Opt
     tests.input_correlation =
         inputs.iter().filter_map(|u| residual_tests(errors, u.get(from..), LAGS)?.input_correlation).reduce(f64::max);
     Some(tests)
+}
+
+/// A remark of a model, or of a method: its id before the sentence, and among the values.
+pub fn of_model(id: &str, remark: impl Into<Note>) -> Note {
+    let mut note = remark.into().within(&format!("{id}: "), "");
+    note.values.insert(0, ("id", Value::Text(id.to_owned())));
+    note
 }
 
 /// Notes on single poles of a model between waveforms: which are no modes, growth, sampling, and the edge of the filter

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crumple_numerics::lti::{InputHold, StateSpace, to_continuous};
-use crumple_signal::{Note, Notes, Sampled, Severity};
+use crumple_signal::{About, Note, Notes, Sampled, Severity, Weight, remarks};
 use crumple_stage::Output;
 use crumple_stage::records::{
     EvidenceV1, ExponentialSumV1, ExponentialTermV1, IdentificationV1, ShapesV1, StateSpaceV1, TransferFunctionV1,
@@ -200,16 +200,14 @@ impl FittedModel<'_> {
         let dt_s = input.sampled.dt_s();
         // (x²)/3 of the loss at x = pi/n.
         let enough = (PI / (3.0 * open).sqrt()).ceil();
-        self.notes.warning(format!(
-            "{}: straight lines between the samples of {} lose {:.1} % of its amplitude ({:.1} samples a period at \
-             {} Hz), and gains are too high by as much. Deviations of gains hold it, those of poles do not: sample \
-             {enough:.0} times a period",
-            self.id,
-            input.id,
-            100.0 * loss.share,
-            loss.cycles_per_sample.recip(),
-            lines::digits(loss.cycles_per_sample / dt_s),
-        ));
+        self.notes.push(LinesLose {
+            id: self.id.to_owned(),
+            input: input.id.clone(),
+            lost: loss.share,
+            samples_a_period: loss.cycles_per_sample.recip(),
+            frequency_hz: loss.cycles_per_sample / dt_s,
+            enough_a_period: enough,
+        });
         true
     }
 
@@ -420,4 +418,26 @@ fn state_space(model: &StateSpace, input: &str, output: &str, delay_s: Option<f6
         output: output.to_owned(),
         delay_s,
     }
+}
+
+remarks! {
+    /// Remarks of inputs between their samples.
+    pub REMARKS;
+
+    /// Straight lines between the samples of an input lose a part of its amplitude.
+    CR467 LinesLose {
+        id: String, input: String, lost: f64, samples_a_period: f64, frequency_hz: f64, enough_a_period: f64
+    }
+    bears on (About::IdentifiedModels, Weight::Slight)
+    decided "Lines lose 1 - (sin x/x)^2 of a smooth input, x = pi f dt. That is more than the record leaves open of a \
+             gain, and more than 0.5 %."
+    means "Gains are too high by as much. Their deviations hold it; those of poles do not."
+    remedy "sample faster, as the sentence says, or correct the gains by the share"
+    says format!(
+        "{id}: straight lines between the samples of {input} lose {:.1} % of its amplitude ({samples_a_period:.1} \
+         samples a period at {} Hz), and gains are too high by as much. Deviations of gains hold it, those of poles do \
+         not: sample {enough_a_period:.0} times a period",
+        100.0 * lost,
+        lines::digits(*frequency_hz)
+    );
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crumple_numerics::lti::{Complex, Mode, StateSpace, to_transfer_function};
-use crumple_signal::Notes;
+use crumple_signal::{About, Notes, Weight, remarks};
 use crumple_stage::Output;
 use crumple_stage::records::{ModeV1, ShapeV1, ShapesV1, StabilizationClusterV1, StabilizationPoleV1, StabilizationV1};
 use crumple_sysid::{
@@ -14,7 +14,7 @@ use nalgebra::DMatrix;
 
 use crate::stage::options::choices::Method;
 use crate::stage::options::settings::{BootstrapSettings, Stabilisation};
-use crate::stage::records::discrete::note_on_fit;
+use crate::stage::records::discrete::{PartLeftOut, note_on_fit};
 use crate::stage::records::evidence::{Poles, entry, pole_record};
 use crate::stage::records::model::{FittedModel, Forms, IMPULSE, Simulated, evidence_of};
 use crate::stage::records::responses::{ModelResponses, zeros_of};
@@ -74,11 +74,7 @@ pub fn put_realization(
             .iter()
             .take_while(|error| **error <= 1e-9 * model.singular_values.first().copied().unwrap_or(0.0))
             .count();
-        notes.info(format!(
-            "{id}: {} singular values were computed in {steps} Lanczos steps: {converged} converged, the others are \
-             known to 3 %",
-            model.singular_values.len()
-        ));
+        notes.push(LanczosValues { id: id.clone(), values: model.singular_values.len(), steps, converged });
     }
     let simulated = simulated(model, task)?;
     let parameters = (task.waves.len() + 1) * order + task.waves.len();
@@ -124,7 +120,7 @@ fn forms(id: &str, model: &Realization, single: bool, notes: &mut Notes) -> Form
         match to_transfer_function(continuous) {
             _ if !single => {}
             Ok(tf) => forms.paths = vec![vec![(tf.numerator().to_vec(), tf.denominator().to_vec())]],
-            Err(error) => notes.info(format!("{id}: no transfer function: {error}")),
+            Err(error) => notes.push(PartLeftOut::new(id, "transfer function", &error)),
         }
     }
     forms
@@ -202,7 +198,8 @@ pub fn put_diagram(
     out: &mut Output,
 ) -> anyhow::Result<()> {
     if models.is_empty() {
-        out.notes().info(format!("{method}: no stabilisation diagram: the record supports no order of two"));
+        let reason = "the record supports no order of two";
+        out.notes().push(PartLeftOut::new(method, "stabilisation diagram", &reason));
         return Ok(());
     }
     let options = StabilizationOptions { highest_damping: settings.highest_damping, ..StabilizationOptions::default() };
@@ -264,4 +261,21 @@ pub fn put_diagram(
         format!("{method}: modes that stay over the orders up to {highest}: {}", names.join(", "))
     });
     out.put(&format!("/stabilisation/{method}"), &record)
+}
+
+remarks! {
+    /// Remarks of decompositions.
+    pub REMARKS;
+
+    /// Only the leading singular values of a large Hankel matrix were computed.
+    CR468 LanczosValues { id: String, values: usize, steps: usize, converged: usize }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "Matrices above 64 rows are not formed. Lanczos steps give the leading values: converged ones err by 1e-9 \
+             of the largest at most, the others by 3 % of themselves."
+    means "The model is made from converged values. The others only show where the singular values level off."
+    remedy "nothing; --rows and --columns below 65 compute all of them"
+    says format!(
+        "{id}: {values} singular values were computed in {steps} Lanczos steps: {converged} converged, the others are \
+         known to 3 %"
+    );
 }

@@ -6,7 +6,7 @@ use crumple_numerics::lti::{
     Complex, StateSpace, discretize_zero_order_hold, free_response, frequency_response, impulse_response,
     step_response, to_transfer_function,
 };
-use crumple_signal::{HALF_OF_90_PERCENT, Notes};
+use crumple_signal::{About, HALF_OF_90_PERCENT, Notes, Weight, remarks};
 use crumple_stage::records::{EvidenceV1, NoIntervalV1, NoSpreadV1, NoiseModelV1, NoiseV1, ResponseV1, SpreadV1};
 use crumple_sysid::{
     Bootstrap, BootstrapOptions, IoData, NoSpread, NoiseKind, NoiseModel, NoiseOptions, RecordLength, Sample, Spread,
@@ -211,7 +211,7 @@ impl ModelResponses<'_> {
 /// Notes what is not written for a model of several inputs or outputs.
 pub fn note_limits(id: &str, (inputs, outputs): (usize, usize), notes: &mut Notes) {
     if inputs > 1 || outputs > 1 {
-        notes.info(format!("{id}: responses are written for models of one input and one output only"));
+        notes.push(SinglePathOnly { id: id.to_owned() });
     }
 }
 
@@ -256,13 +256,13 @@ impl IntervalTask<'_> {
         let settings = self.settings?;
         let Some(noise) = self.noise() else {
             evidence.iter_mut().for_each(|e| e.no_interval = Some(NoIntervalV1::NoNoiseModel));
-            notes.warning(format!("{}: no intervals: no noise model of {} states was found", self.id, self.order));
+            notes.push(NoIntervals { states: Some(self.order), ..NoIntervals::of(self.id) });
             return None;
         };
         put_noise(&noise, evidence);
         if !noise.is_white() {
             evidence.iter_mut().for_each(|e| e.no_interval = Some(NoIntervalV1::NotWhite));
-            notes.warning(not_white(self.id, &noise));
+            notes.push(not_white(self.id, &noise));
             return None;
         }
         let measured: Vec<&[f64]> = self.data.outputs().iter().map(|y| &y[..self.delay]).collect();
@@ -277,7 +277,7 @@ impl IntervalTask<'_> {
         let drawn = bootstrap(both, &noise, length, options, |y| refit(&whole(y)));
         let Some(drawn) = drawn else {
             evidence.iter_mut().for_each(|e| e.no_interval = Some(NoIntervalV1::FewReplicates));
-            notes.warning(format!("{}: fewer than half of the bootstrap fits led to a model: no spread", self.id));
+            notes.push(NoIntervals::of(self.id));
             return None;
         };
         note_scatter(self.id, self.estimate, &drawn, notes);
@@ -288,14 +288,17 @@ impl IntervalTask<'_> {
 }
 
 /// Why errors that are not white give no intervals.
-fn not_white(id: &str, noise: &NoiseModel) -> String {
+fn not_white(id: &str, noise: &NoiseModel) -> NoIntervals {
     let worst = noise.whiteness.iter().max_by(|a, b| (a.ljung_box / a.limit_95).total_cmp(&(b.ljung_box / b.limit_95)));
     let (found, allowed) = worst.map_or((0.0, 0.0), |worst| (worst.ljung_box, worst.limit_95));
-    format!(
-        "{id}: the prediction errors are correlated (Q = {found:.0}, {allowed:.0} allowed): neither noise model \
-         explains them; intervals would be too narrow and are left out. Usual reasons: too few states, a trend, an \
-         outlier, a nonlinearity"
-    )
+    NoIntervals { ljung_box: Some(found), limit: Some(allowed), ..NoIntervals::of(id) }
+}
+
+impl NoIntervals {
+    /// Of a model, without a reason but the bootstrap itself.
+    fn of(id: &str) -> Self {
+        Self { id: id.to_owned(), states: None, ljung_box: None, limit: None }
+    }
 }
 
 /// The noise model as `bootstrap_noise` states it.
@@ -335,21 +338,20 @@ fn put_noise(noise: &NoiseModel, evidence: &mut [EvidenceV1]) {
 fn note_scatter(id: &str, sample: &Sample, bootstrap: &Bootstrap, notes: &mut Notes) {
     for (s, spread) in sample.poles.iter().zip(&bootstrap.modes).filter(|(s, _)| s.im >= 0.0 && s.norm() > 0.0) {
         match spread {
-            Err(NoSpread::NotFoundAgain) => notes
-                .warning(format!("{id}: the pole {:.4} {:+.4}i 1/s is not found again in most replicates", s.re, s.im)),
-            Ok((frequency, _)) if frequency.deviation > DROPPED_ABOVE * s.norm() => notes.info(format!(
-                "{id}: the natural frequency {:.4} Hz varies by {:.1} % over {} replicates: above 2 % a pole is not \
-                 counted as a mode of the record",
-                s.norm() / TAU,
-                100.0 * frequency.deviation / s.norm(),
-                bootstrap.replicates
-            )),
-            Ok((frequency, _)) if frequency.is_biased() => notes.info(format!(
-                "{id}: estimates of this method are off by {:.4} Hz in noise like this at {:.4} Hz; the interval has \
-                 it",
-                frequency.bias / TAU,
-                s.norm() / TAU
-            )),
+            Err(NoSpread::NotFoundAgain) => {
+                notes.push(NotFoundAgain { id: id.to_owned(), re_per_s: s.re, im_rad_per_s: s.im });
+            }
+            Ok((frequency, _)) if frequency.deviation > DROPPED_ABOVE * s.norm() => notes.push(FrequencyScatters {
+                id: id.to_owned(),
+                frequency_hz: s.norm() / TAU,
+                scatter_percent: 100.0 * frequency.deviation / s.norm(),
+                replicates: bootstrap.replicates,
+            }),
+            Ok((frequency, _)) if frequency.is_biased() => notes.push(BiasedFrequency {
+                id: id.to_owned(),
+                bias_hz: frequency.bias / TAU,
+                frequency_hz: s.norm() / TAU,
+            }),
             _ => {}
         }
     }
@@ -376,4 +378,67 @@ fn why_none(why: NoSpread) -> NoSpreadV1 {
         NoSpread::NotDetermined => NoSpreadV1::NotDetermined,
         NoSpread::ShortRecord => NoSpreadV1::ShortRecord,
     }
+}
+
+remarks! {
+    /// Remarks of responses and intervals.
+    pub REMARKS;
+
+    /// Responses are not written for several inputs or outputs.
+    CR469 SinglePathOnly { id: String }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "The record /response holds one frequency, impulse and step response."
+    means "The model is complete. Its responses follow from its matrices."
+    remedy "nothing; one of --inputs and one of --outputs give a response"
+    says format!("{id}: responses are written for models of one input and one output only");
+
+    /// Intervals were asked for, and there are none.
+    CR470 NoIntervals { id: String, states: Option<usize>, ljung_box: Option<f64>, limit: Option<f64> }
+    bears on (About::IdentifiedModels, Weight::Slight)
+    decided "A bootstrap needs a noise model, white prediction errors, and a model from half of its fits. Errors count \
+             as white up to twice the 95 % point of the statistic of Ljung & Box over 25 lags (Biometrika 65, 1978). Q \
+             is that statistic, and the number allowed its 95 % point."
+    means "Frequencies and damping ratios have no interval. Intervals from correlated errors would be too narrow."
+    remedy "try more states: --orders, --remove-trend, or a window without outliers; a longer one: --from, --to"
+    says match (states, ljung_box.zip(*limit)) {
+        (Some(states), _) => format!("{id}: no intervals: no noise model of {states} states was found"),
+        (None, Some((found, allowed))) => format!(
+            "{id}: the prediction errors are correlated (Q = {found:.0}, {allowed:.0} allowed): neither noise model \
+             explains them; intervals would be too narrow and are left out. Usual reasons: too few states, a trend, an \
+             outlier, a nonlinearity"
+        ),
+        (None, None) => format!("{id}: fewer than half of the bootstrap fits led to a model: no spread"),
+    };
+
+    /// Fits to records with new noise do not have this pole.
+    CR471 NotFoundAgain { id: String, re_per_s: f64, im_rad_per_s: f64 }
+    bears on (About::IdentifiedModels, Weight::Slight)
+    decided "The noise model has no pole that stands for it, or fewer than half of the bootstrap fits find that pole \
+             again."
+    means "The pole may be a product of the noise. It has no interval."
+    remedy "do not use this pole, or try a lower order: --orders"
+    says format!("{id}: the pole {re_per_s:.4} {im_rad_per_s:+.4}i 1/s is not found again in most replicates");
+
+    /// A natural frequency varies much over records with new noise.
+    CR472 FrequencyScatters { id: String, frequency_hz: f64, scatter_percent: f64, replicates: usize }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "Its standard deviation over the bootstrap fits is above 2 % of the frequency."
+    means "Noise or another record of the same system gives another frequency. Do not count it among the modes."
+    remedy "nothing; a longer record, or more sensors, settle it"
+    says format!(
+        "{id}: the natural frequency {frequency_hz:.4} Hz varies by {scatter_percent:.1} % over {replicates} \
+         replicates: above 2 % a pole is not counted as a mode of the record"
+    );
+
+    /// The method finds this frequency too high or too low in noise like that of the record.
+    CR473 BiasedFrequency { id: String, bias_hz: f64, frequency_hz: f64 }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "The mean of the bootstrap fits is off the frequency that they were drawn from by more than their standard \
+             deviation."
+    means "The interval holds the bias: 1.645 sqrt(deviation^2 + bias^2) on either side of the estimate."
+    remedy "nothing; quote the interval"
+    says format!(
+        "{id}: estimates of this method are off by {bias_hz:.4} Hz in noise like this at {frequency_hz:.4} Hz; the \
+         interval has it"
+    );
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crumple_signal::{About, Note, Notes, Weight};
+use crumple_signal::{About, Note, Notes, Weight, remarks};
 use crumple_stage::Output;
 use crumple_stage::records::{EvidenceV1, IdentificationV1, RecommendedBecauseV1, SelectionModelV1, SelectionV1};
 use crumple_sysid::{Contender, OnUnseen, Ranked, Recommendable, Selection, left_by_unseen, recommended, select};
@@ -12,7 +12,7 @@ pub struct Results<'a> {
     /// Compares models of one output once all are there.
     comparison: Comparison,
     /// What unseen samples say against models, in their order.
-    contradicted: Vec<String>,
+    contradicted: Vec<Contradicted>,
     /// Whether a model holds on samples that it has not seen.
     one_holds: bool,
     /// Records, notes and the summary.
@@ -29,19 +29,36 @@ fn holds_on_unseen(evidence: &EvidenceV1, fit_percent: Option<f64>) -> Option<bo
     Some(OnUnseen::of(fit_percent, validation_percent(evidence)?) == OnUnseen::Holds)
 }
 
-/// `arx-4: unseen samples from 2000 ms on contradict it: validation -12.0 % with the start fitted, fit 65.7 %`; of
-/// several outputs the one that is worst on unseen samples speaks. `None`: none is contradicted.
-fn contradiction(id: &str, evidence: &[EvidenceV1], fits: &[Option<f64>]) -> Option<String> {
+/// Whether unseen samples contradict a model; of several outputs the one that is worst on unseen samples speaks.
+fn contradiction(id: &str, evidence: &[EvidenceV1], fits: &[Option<f64>]) -> Option<Contradicted> {
     let failing = evidence.iter().zip(fits).filter(|(evidence, _)| evidence.holds_on_unseen == Some(false));
     let of_output = failing.filter_map(|(evidence, fit)| Some((evidence, fit, validation_percent(evidence)?)));
-    let (worst, fit, unseen) = of_output.min_by(|a, b| a.2.total_cmp(&b.2))?;
-    let name = if evidence.len() > 1 { format!(" of {}", worst.output) } else { String::new() };
-    let started = if worst.validation_restarted_fit_percent.is_some() { " with the start fitted" } else { "" };
-    let fit = fit.map_or_else(|| "no defined fit".to_owned(), |fit| format!("fit {fit:.1} %"));
-    Some(format!(
-        "{id}: unseen samples{name} from {:.0} ms on contradict it: validation {unseen:.1} %{started}, {fit}",
-        1e3 * worst.validation_from_s?
-    ))
+    let (worst, fit, _) = of_output.min_by(|a, b| a.2.total_cmp(&b.2))?;
+    Some(Contradicted {
+        id: id.to_owned(),
+        output: (evidence.len() > 1).then(|| worst.output.clone()),
+        from_s: worst.validation_from_s?,
+        validation_percent: worst.validation_fit_percent,
+        restarted_percent: worst.validation_restarted_fit_percent,
+        fit_percent: *fit,
+    })
+}
+
+/// `unseen samples from 2000 ms on contradict it: validation -12.0 % with the start fitted, fit 65.7 %`.
+fn contradiction_in_words(
+    output: Option<&str>,
+    from_s: f64,
+    (validation_percent, restarted_percent): (Option<f64>, Option<f64>),
+    fit_percent: Option<f64>,
+) -> String {
+    let name = output.map_or_else(String::new, |output| format!(" of {output}"));
+    let started = restarted_percent.map_or("", |_| " with the start fitted");
+    let fit = fit_percent.map_or_else(|| "no defined fit".to_owned(), |fit| format!("fit {fit:.1} %"));
+    format!(
+        "unseen samples{name} from {:.0} ms on contradict it: validation {:.1} %{started}, {fit}",
+        1e3 * from_s,
+        restarted_percent.or(validation_percent).unwrap_or_default()
+    )
 }
 
 impl<'a> Results<'a> {
@@ -70,9 +87,9 @@ impl<'a> Results<'a> {
             self.out.put(&format!("/evidence/{id}{place}"), output_evidence)?;
         }
         self.one_holds |= evidence.iter().all(|evidence| evidence.holds_on_unseen == Some(true));
-        let text = contradiction(id, evidence, &fits);
-        self.contradicted.extend(text.clone());
-        Ok(text.map(Note::warning))
+        let found = contradiction(id, evidence, &fits);
+        self.contradicted.extend(found.clone());
+        Ok(found.map(Note::from))
     }
 
     /// Writes what the comparison says, and which models unseen samples contradict, before all other notes.
@@ -80,10 +97,16 @@ impl<'a> Results<'a> {
     /// Returns the number of states of the model to use of the first output, or of its only one.
     pub fn conclude(self) -> anyhow::Result<Option<usize>> {
         let Self { comparison, contradicted, one_holds, out } = self;
-        // Where one holds it is the one to use.
-        let weight = if one_holds { Weight::Marked } else { Weight::Decisive };
         let mut notes = Notes::new();
-        contradicted.into_iter().for_each(|text| notes.concern(About::IdentifiedModels, weight, text));
+        for found in contradicted {
+            // Where one holds it is the one to use.
+            if one_holds {
+                notes.push(found);
+            } else {
+                let Contradicted { id, output, from_s, validation_percent, restarted_percent, fit_percent } = found;
+                notes.push(NoneHolds { id, output, from_s, validation_percent, restarted_percent, fit_percent });
+            }
+        }
         notes.extend(std::mem::take(out.notes()));
         *out.notes() = notes;
         let order = comparison.order();
@@ -169,12 +192,8 @@ impl Comparison {
             written.push(output.clone());
             let best_by_aicc = selection.ranked[0].contender.id.clone();
             if selection.near_equal.len() > 1 {
-                out.notes().info(format!(
-                    "the record does not tell apart {}: their AICc differ by less than 2 (with {:.0} independent \
-                     samples)",
-                    selection.near_equal.join(", "),
-                    selection.effective_samples
-                ));
+                let (models, samples) = (selection.near_equal.clone(), selection.effective_samples);
+                out.notes().push(NotToldApart { models, samples });
             }
             let best = best_of(&selection, &contenders);
             if let Some((id, passed_over)) = &best {
@@ -216,4 +235,52 @@ impl Comparison {
         }
         Ok(())
     }
+}
+
+remarks! {
+    /// Remarks of the comparison of models.
+    pub REMARKS;
+
+    /// Unseen samples contradict a model, and another model holds on them.
+    CR474 Contradicted {
+        id: String, output: Option<String>, from_s: f64, validation_percent: Option<f64>,
+        restarted_percent: Option<f64>, fit_percent: Option<f64>
+    }
+    bears on (About::IdentifiedModels, Weight::Marked)
+    decided "The fit of the samples kept by --validate-from is below 0, or more than 30 points below the fit of the \
+             samples that the model was identified from. The start is fitted to them where the method can."
+    means "The model is not one of the system, but of the samples it was fitted to. Do not use it."
+    remedy "use a model that holds on unseen samples: see recommended in the record /selection"
+    says format!(
+        "{id}: {}",
+        contradiction_in_words(output.as_deref(), *from_s, (*validation_percent, *restarted_percent), *fit_percent)
+    );
+
+    /// Unseen samples contradict a model, and no model of the run holds on all of them.
+    CR475 NoneHolds {
+        id: String, output: Option<String>, from_s: f64, validation_percent: Option<f64>,
+        restarted_percent: Option<f64>, fit_percent: Option<f64>
+    }
+    bears on (About::IdentifiedModels, Weight::Decisive)
+    decided "The fit of the samples kept by --validate-from is below 0, or more than 30 points below the fit of the \
+             samples that the model was identified from. The start is fitted to them where the method can."
+    means "The system changes over the record, an input is missing, or it is not linear. No model of this run is one \
+           of it."
+    remedy "try other orders, methods or inputs, or a window in which the system is the same: --from, --to"
+    says format!(
+        "{id}: {}",
+        contradiction_in_words(output.as_deref(), *from_s, (*validation_percent, *restarted_percent), *fit_percent)
+    );
+
+    /// Several models follow the record equally well.
+    CR476 NotToldApart { models: Vec<String>, samples: f64 }
+    bears on (About::IdentifiedModels, Weight::None)
+    decided "Their AICc differ by less than 2 (Burnham & Anderson, Model Selection and Multimodel Inference, 2002, ch. \
+             2.6), with as many independent samples as the errors are worth."
+    means "What these models say differently, the record does not tell."
+    remedy "nothing; take the smallest one, or keep samples for a validation: --validate-from 50%"
+    says format!(
+        "the record does not tell apart {}: their AICc differ by less than 2 (with {samples:.0} independent samples)",
+        models.join(", ")
+    );
 }

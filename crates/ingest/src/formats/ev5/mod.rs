@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 
 use crumple_artifact::records::VehicleV1;
 use crumple_signal::unit::signal_unit;
-use crumple_signal::{Channel, ChannelStatus, Notes, QuantityKind, Sampled};
+use crumple_signal::{About, Channel, ChannelStatus, Notes, QuantityKind, Sampled, Weight, remarks};
 
 use crate::formats::ev5::specification::{Curve, Specification, Vehicle};
 use crate::formats::reader::{Bundle, Reader, stem};
+use crate::formats::remarks::{ChannelLeftOut, ChannelsAbsent, CutShort, LineNotRead, UnitUnknown};
 use crate::formats::text::lines::scan;
 use crate::recording::content::{PulseRule, ReadChannel, Recording, note_doubts};
 use crate::recording::details::Details;
@@ -55,12 +56,11 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
     }
     let mut notes = Notes::new();
     for (line, reason) in specification.unread_lines.iter().take(5) {
-        notes.warning(format!("{file}, line {line}, is left out: {reason}"));
+        let (file, lines, reason) = (file.to_owned(), specification.unread_lines.len(), Some(reason.clone()));
+        notes.push(LineNotRead { file, line: *line, lines, reason });
     }
     if !specification.is_complete {
-        notes.warning(format!(
-            "{file} does not end with ----- END -----: it may be cut short, and channels be missing; download it again"
-        ));
+        notes.push(CutShort { file: Some(file.to_owned()), ..CutShort::SOMEWHERE });
     }
     let asked_for = |number: u32| settings.channel.as_deref().is_some_and(|c| c.trim().parse() == Ok(number));
     let channels = specification
@@ -136,15 +136,12 @@ fn channel_notes(channels: &[ReadChannel], notes: &mut Notes) {
     let unread = |id: &u32| channels.iter().any(|f| f.channel.id == id.to_string() && f.unread.is_some());
     let absent: Vec<u32> = absent.into_iter().filter(|id| !unread(id)).collect();
     if !absent.is_empty() {
-        notes.info(format!(
-            "{} of {} listed channels have no signal file here: {}",
-            absent.len(),
-            channels.len(),
-            ranges(&absent)
-        ));
+        let (listed, channels) = (Some(channels.len()), Some(ranges(&absent)));
+        notes.push(ChannelsAbsent { count: absent.len(), listed, list: None, channels });
     }
     if !not_installed.is_empty() {
-        notes.info(format!("{} listed channels were not installed: {}", not_installed.len(), ranges(&not_installed)));
+        let (count, channels) = (not_installed.len(), Some(ranges(&not_installed)));
+        notes.push(ChannelsAbsent { count, listed: None, list: None, channels });
     }
     channels.iter().filter(|f| f.wave.is_some()).for_each(|read| note_doubts(&read.channel, notes));
 }
@@ -155,10 +152,7 @@ fn unit_note(specification: &Specification, notes: &mut Notes) {
         unknown.entry(&curve.y_unit).or_default().push(curve.number);
     }
     for (unit, numbers) in unknown {
-        notes.info(format!(
-            "unit {unit:?} is not known: channels {} are kept as read, quantity other",
-            ranges(&numbers)
-        ));
+        notes.push(UnitUnknown { unit: Some(unit.to_owned()), channels: ranges(&numbers) });
     }
 }
 
@@ -225,16 +219,15 @@ pub fn channel(
         Some((file, bytes)) => match samples(curve, file, bytes, factor, notes) {
             Ok((samples, jitter)) => {
                 if channel.status == ChannelStatus::NotInstalled {
-                    notes.warning(format!(
-                        "channel {id} is listed as not installed, but {file} is here: taken as questionable"
-                    ));
+                    notes.push(NotInstalled { channel: id, file: (*file).to_owned() });
                     channel.status = ChannelStatus::Questionable;
                 }
                 ReadChannel { wave: Some(samples), jitter, ..ReadChannel::new(channel) }
             }
             Err(error) if wanted => return Err(error),
             Err(error) => {
-                notes.warning(format!("channel {id} is left out: {error}"));
+                let (channel_id, reason) = (Some(id), Some(error.to_string()));
+                notes.push(ChannelLeftOut { channel: channel_id, file: None, more: None, reason });
                 let remark = channel.comment.take().map_or_else(String::new, |comment| format!("; {comment}"));
                 ReadChannel::without_readable_file(channel, format!("{error}{remark}"))
             }
@@ -263,9 +256,7 @@ fn samples(curve: &Curve, file: &str, bytes: &[u8], factor: f64, notes: &mut Not
     if let (Some(first), Some(last)) = (curve.first, curve.last)
         && last.checked_sub(first).and_then(|d| d.checked_add(1)) != i64::try_from(n).ok()
     {
-        notes.warning(format!(
-            "{file} has {n} samples, its entry lists {first} to {last}: the samples of the file are used"
-        ));
+        notes.push(ListedSamples { file: file.to_owned(), samples: n, first, last });
     }
     let listed = curve.interval_us.zip(curve.first).map(|(us, first)| Grid {
         t0_s: first as f64 * us / 1e6,
@@ -312,11 +303,9 @@ fn reconcile(
     if (listed.t0_s - times[0]).abs() <= slack && (end(&listed) - times[times.len() - 1]).abs() <= slack {
         return Grid { jitter: printed.jitter, ..listed };
     }
-    notes.warning(format!(
-        "channel {number}: its entry lists samples every {} s from {} s, the times in its file say every {} s from {} \
-         s: those are used",
-        listed.dt_s, listed.t0_s, printed.dt_s, printed.t0_s
-    ));
+    let [(listed_interval_s, listed_start_s), (interval_s, start_s)] =
+        [&listed, &printed].map(|grid| (grid.dt_s, grid.t0_s));
+    notes.push(ListedInterval { channel: number, listed_interval_s, listed_start_s, interval_s, start_s });
     printed
 }
 
@@ -385,6 +374,41 @@ pub fn parse(file: &str, bytes: &[u8]) -> Result<SignalFile> {
         );
     }
     Ok(signal)
+}
+
+remarks! {
+    /// Remarks of NHTSA tests.
+    pub REMARKS;
+
+    /// A channel that is listed as not installed has a file of samples.
+    CR018 NotInstalled { channel: String, file: String }
+    bears on (About::Record, Weight::Slight)
+    decided "DASTAT of its entry is NO, and its signal file is there and can be read."
+    means "Its status is questionable, so that it is not chosen as the pulse."
+    remedy "look at its plot before it is used"
+    says format!("channel {channel} is listed as not installed, but {file} is here: taken as questionable");
+
+    /// A signal file has another number of samples than its entry lists.
+    CR019 ListedSamples { file: String, samples: usize, first: i64, last: i64 }
+    bears on (About::Record, Weight::Slight)
+    decided "The first and the last sample of the entry are compared with the samples of the file."
+    means "The file may be cut short. If it has no column of times, its start may be wrong."
+    remedy "download the test again, or compare its end with that of other channels"
+    says format!("{file} has {samples} samples, its entry lists {first} to {last}: the samples of the file are used");
+
+    /// A signal file has other times than its entry lists.
+    CR020 ListedInterval {
+        channel: u32, listed_interval_s: f64, listed_start_s: f64, interval_s: f64, start_s: f64
+    }
+    bears on (About::Record, Weight::Slight)
+    decided "Start and end of both are compared; 1e-3 of the interval and the last printed digit are left. DELT of the \
+             entry is rounded to whole microseconds."
+    means "The times of the file are used. If the entry is right, velocity and crush are wrong by the ratio of both."
+    remedy "compare the duration with that of other channels of the test"
+    says format!(
+        "channel {channel}: its entry lists samples every {listed_interval_s} s from {listed_start_s} s, the times in \
+         its file say every {interval_s} s from {start_s} s: those are used"
+    );
 }
 
 #[cfg(test)]

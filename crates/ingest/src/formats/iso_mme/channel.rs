@@ -2,10 +2,11 @@
 
 use crumple_signal::iso13499::IsoCode;
 use crumple_signal::unit::{signal_unit, without_brackets};
-use crumple_signal::{Axis, Channel, ChannelStatus, Notes, QuantityKind, Sampled};
+use crumple_signal::{About, Axis, Channel, ChannelStatus, Notes, QuantityKind, Sampled, Weight, remarks};
 
 use crate::formats::iso_mme::channel_file::{ChannelFile, Header};
 use crate::formats::iso13499::describe_by_code;
+use crate::formats::remarks::{CodeAgainstUnit, LineNotRead, MissingAtEnds, SampleCount, UnitNotStated};
 use crate::recording::content::{Ids, ReadChannel};
 use crate::time::Grid;
 use crate::{IngestError, IngestSettings, Place, Result, refuse, time};
@@ -30,11 +31,11 @@ pub fn channel_of_file(
     let number = name.rsplit_once('.').map_or(name, |(_, e)| e);
     let code = header.text("channel code").and_then(|text| match IsoCode::parse(text) {
         Ok((code, remarks)) => {
-            remarks.into_iter().for_each(|remark| notes.warning(format!("{name}: {remark}")));
+            remarks.into_iter().for_each(|reason| notes.push(CodeTaken { file: name.to_owned(), reason }));
             Some(code)
         }
         Err(error) => {
-            notes.warning(format!("{name}: the channel code is not read: {error}"));
+            notes.push(CodeNotRead { file: name.to_owned(), reason: error.to_string() });
             None
         }
     });
@@ -86,9 +87,9 @@ fn describe(channel: &mut Channel, header: &Header, code: Option<&IsoCode>, name
     channel.sensor = (!transducer.is_empty()).then(|| transducer.join(", "));
     let stated = header.text("channel frequency class").and_then(class_of_words);
     match (channel.cfc, stated) {
-        (Some(letter), Some(class)) if letter != class => notes.warning(format!(
-            "{name}: the code says CFC {letter}, the line \"Channel frequency class\" says {class}: the code is taken"
-        )),
+        (Some(of_code), Some(of_line)) if of_code != of_line => {
+            notes.push(TwoClasses { file: name.to_owned(), of_code, of_line });
+        }
         (None, Some(class)) if code.is_none_or(|c| matches!(c.as_str().as_bytes()[15], b'?' | b'_')) => {
             channel.cfc = Some(class);
             channel.filter_state = Some(format!("CFC {class}"));
@@ -153,15 +154,14 @@ fn apply_unit(
     });
     let by_flag = settings.unit.as_deref().and_then(acceleration).filter(|_| may_be_acceleration);
     let Some((quantity, factor)) = known.or(by_flag) else {
-        let reason = stated.map_or_else(|| "no unit is stated".to_owned(), |u| format!("unit {u:?} is not known"));
-        let hint =
-            if of_code == Some(QuantityKind::Acceleration) { "; --unit g or --unit m/s^2 states it" } else { "" };
-        notes.warning(format!("{name}: {reason}: kept as read, quantity other{hint}"));
+        let quantity = of_code.map(|quantity| quantity.to_string());
+        notes.push(UnitNotStated { file: Some(name.to_owned()), unit: stated, quantity });
         channel.quantity = QuantityKind::Other;
         return 1.0;
     };
     if let Some(of_code) = of_code.filter(|q| *q != quantity) {
-        notes.warning(format!("{name}: the code says {of_code}, the unit is one of {quantity}: the unit is taken"));
+        let (of_code, of_unit) = (of_code.to_string(), quantity.to_string());
+        notes.push(CodeAgainstUnit { place: name.to_owned(), of_code, of_unit });
     }
     channel.quantity = quantity;
     factor
@@ -200,14 +200,13 @@ fn grid(name: &str, file: &ChannelFile, all: &[(&str, ChannelFile)], notes: &mut
             "correct the line",
         );
     }
-    match reference.as_deref() {
-        Some("implicit") => {}
-        Some(other) => notes.warning(format!("{name}: reference channel {other:?} is not known, assumed implicit")),
-        None => notes.warning(format!("{name}: reference channel not stated, assumed implicit")),
+    if reference.as_deref() != Some("implicit") {
+        notes.push(TimeNotStated { file: name.to_owned(), reference, taken_s: None });
     }
     let t0_s = header.number("time of first sample").unwrap_or_else(|| {
-        notes.warning(format!("{name}: the time of the first sample is not stated, taken as 0 s"));
-        0.0
+        let taken_s = 0.0;
+        notes.push(TimeNotStated { file: name.to_owned(), reference: None, taken_s: Some(taken_s) });
+        taken_s
     });
     Ok(Grid { t0_s, dt_s, jitter: 0.0 })
 }
@@ -258,28 +257,23 @@ fn explicit(name: &str, file: &ChannelFile, all: &[(&str, ChannelFile)]) -> Resu
 
 fn note_oddities(name: &str, file: &ChannelFile, notes: &mut Notes) {
     let count = file.samples.len() + file.gaps_before + file.gaps_after;
+    let of_name = || Some(name.to_owned());
     if file.surplus > 0 {
-        notes.warning(format!(
-            "{name}: the header states {count} samples, the file has {}: the first {count} are used",
-            count + file.surplus
-        ));
+        let (stated, found) = (count as f64, count + file.surplus);
+        notes.push(SampleCount { file: of_name(), segment: None, channels: None, stated, found, used: count });
     } else if let Some(stated) = file.header.number("number of samples").filter(|n| *n != count as f64) {
-        notes.warning(format!("{name}: the header states {stated} samples, the file has {count}: those are used"));
+        notes.push(SampleCount { file: of_name(), segment: None, channels: None, stated, found: count, used: count });
     }
-    if file.gaps_before + file.gaps_after > 0 {
-        notes.warning(format!(
-            "{name}: NOVALUE at {} samples before and {} after the data: left off",
-            file.gaps_before, file.gaps_after
-        ));
+    let (before, after) = (file.gaps_before, file.gaps_after);
+    if before + after > 0 {
+        notes.push(MissingAtEnds { file: of_name(), channels: None, before, after });
     }
     if let Some(line) = file.decimal_comma {
-        notes.warning(format!("{name}, line {line}: a decimal comma, read as a decimal point"));
+        notes.push(DecimalComma { file: name.to_owned(), line });
     }
     if let Some(line) = file.odd_lines.first() {
-        notes.warning(format!(
-            "{name}, line {line}: neither a keyword nor a number, left out ({} such lines)",
-            file.odd_lines.len()
-        ));
+        let (file, lines) = (name.to_owned(), file.odd_lines.len());
+        notes.push(LineNotRead { file, line: *line, lines, reason: None });
     }
 }
 
@@ -290,21 +284,93 @@ fn check_extremes(name: &str, file: &ChannelFile, grid: &Grid, notes: &mut Notes
     let high = file.samples.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     // Extremes are printed with five digits and more.
     let slack = 1e-4 * low.abs().max(high.abs());
-    for (what, extreme) in [("maximum", high), ("minimum", low)] {
+    for (what, found) in [("maximum", high), ("minimum", low)] {
         let Some(stated) = file.header.number(&format!("first global {what} value")) else { continue };
-        if (stated - extreme).abs() > slack {
-            notes.warning(format!("{name}: the header states the {what} {stated}, the samples have {extreme}"));
+        if (stated - found).abs() > slack {
+            notes.push(ExtremeDiffers { file: name.to_owned(), extreme: what, stated, found });
             continue;
         }
-        let Some(time) = file.header.number(&format!("time of {what} value")) else { continue };
+        let Some(stated_s) = file.header.number(&format!("time of {what} value")) else { continue };
         let t = |k: usize| grid.t0_s + (k + file.gaps_before) as f64 * grid.dt_s;
-        let near = |k: &usize| (t(*k) - time).abs() <= 1.5 * grid.dt_s;
-        let at: Vec<usize> = (0..file.samples.len()).filter(|k| (file.samples[*k] - extreme).abs() <= slack).collect();
+        let near = |k: &usize| (t(*k) - stated_s).abs() <= 1.5 * grid.dt_s;
+        let at: Vec<usize> = (0..file.samples.len()).filter(|k| (file.samples[*k] - found).abs() <= slack).collect();
         if !at.iter().any(near) {
-            notes.warning(format!(
-                "{name}: the header states the {what} at {time} s, the samples have it at {:.6} s: check the time axis",
-                at.first().map_or(0.0, |k| t(*k))
-            ));
+            let found_s = at.first().map_or(0.0, |k| t(*k));
+            notes.push(ExtremeElsewhere { file: name.to_owned(), extreme: what, stated_s, found_s });
         }
     }
+}
+
+remarks! {
+    /// Remarks of channel files.
+    pub REMARKS;
+
+    /// A channel code breaks the rule of ISO/TS 13499 in a known way.
+    CR022 CodeTaken { file: String, reason: String }
+    bears on (About::Record, Weight::Slight)
+    decided "A code has sixteen characters: letters, digits and ?. Codes with a suffix, with open places, and without \
+             test object and position or filter class are met, and are read as the sentence says."
+    means "What the code leaves open is not known: place, direction or filter class of the channel."
+    remedy "compare the code with the list of channels of the test"
+    says format!("{file}: {reason}");
+
+    /// A channel code is no code of ISO/TS 13499.
+    CR023 CodeNotRead { file: String, reason: String }
+    bears on (About::Record, Weight::Slight)
+    decided "A code has sixteen characters: letters, digits and ?. Shorter ones of 13 to 15 are completed."
+    means "Place, axis and filter class are not known from it, and the channel is not chosen as the pulse."
+    remedy "correct the line \"Channel code\", or name the channel by --channel"
+    says format!("{file}: the channel code is not read: {reason}");
+
+    /// The code of a channel and its header state different filter classes.
+    CR024 TwoClasses { file: String, of_code: u16, of_line: u16 }
+    bears on (About::Record, Weight::Slight)
+    decided "The last letter of the code is compared with the line \"Channel frequency class\"; the code is taken."
+    means "The filter goes by the code. If the line is right, the channel is filtered twice or too little, and its \
+           peaks differ."
+    remedy "ask the laboratory for the class; --cfc filters to another one"
+    says format!(
+        "{file}: the code says CFC {of_code}, the line \"Channel frequency class\" says {of_line}: the code is taken"
+    );
+
+    /// The header does not say how a channel is timed.
+    CR025 TimeNotStated { file: String, reference: Option<String>, taken_s: Option<f64> }
+    bears on (About::Record, Weight::Slight)
+    decided "An implicit time has the lines \"Reference channel\", \"Time of first sample\" and \"Sampling interval\". \
+             Without the first it is taken as implicit, without the second it starts at 0 s."
+    means "If the record starts before contact, contact and every other time are late by as much."
+    remedy "add the lines to the channel file, or state contact by --time-zero"
+    says match (taken_s, reference) {
+        (Some(taken), _) => format!("{file}: the time of the first sample is not stated, taken as {taken} s"),
+        (None, Some(other)) => format!("{file}: reference channel {other:?} is not known, assumed implicit"),
+        (None, None) => format!("{file}: reference channel not stated, assumed implicit"),
+    };
+
+    /// Numbers have a decimal comma.
+    CR026 DecimalComma { file: String, line: usize }
+    bears on (About::Record, Weight::Slight)
+    decided "A sample is a number with a comma in the place of the decimal point. The first line is named."
+    means "It is read as a decimal point. If the comma separates thousands, values are too small by 1000."
+    remedy "check the line, or export the test with decimal points"
+    says format!("{file}, line {line}: a decimal comma, read as a decimal point");
+
+    /// The header states another extreme than the samples have.
+    CR027 ExtremeDiffers { file: String, extreme: &'static str, stated: f64, found: f64 }
+    bears on (About::Record, Weight::Slight)
+    decided "Both are compared in the unit of the file; 1e-4 of the largest sample is left, since extremes are printed \
+             with five digits and more."
+    means "Header and samples are not of one state of the data: another filter, zero level, unit or sign."
+    remedy "ask the laboratory which of both is right, or export the test again"
+    says format!("{file}: the header states the {extreme} {stated}, the samples have {found}");
+
+    /// The header states another time of an extreme than the samples have.
+    CR028 ExtremeElsewhere { file: String, extreme: &'static str, stated_s: f64, found_s: f64 }
+    bears on (About::Record, Weight::Slight)
+    decided "The stated time may be that of any sample of a plateau; one and a half sampling intervals are left."
+    means "The time axis may start elsewhere or have another interval: contact, velocity and crush go with it."
+    remedy "check the lines \"Time of first sample\" and \"Sampling interval\" of the file"
+    says format!(
+        "{file}: the header states the {extreme} at {stated_s} s, the samples have it at {found_s:.6} s: check the \
+         time axis"
+    );
 }

@@ -4,16 +4,17 @@ use std::collections::BTreeMap;
 
 use crumple_signal::iso13499::IsoCode;
 use crumple_signal::unit::{Dimension, parse_value};
-use crumple_signal::{Channel, ChannelStatus, Notes, QuantityKind};
+use crumple_signal::{About, Channel, ChannelStatus, Notes, QuantityKind, Weight, remarks};
 
 use crate::formats::iso_mme::channel_file::{ChannelFile, Header, number};
 use crate::formats::reader::{Bundle, Reader, stem};
+use crate::formats::remarks::{ChannelLeftOut, ChannelsAbsent, LinesNotUsed};
 use crate::recording::content::{Fitness, Ids, PulseRule, ReadChannel, Recording, note_doubts};
 use crate::recording::details::{Details, Stated};
 use crate::recording::settings;
 use crate::{IngestError, IngestSettings, Result, pulse};
 
-mod channel;
+pub mod channel;
 pub mod channel_file;
 
 /// ISO-MME tests and single channel files.
@@ -45,12 +46,9 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
     if let Some((name, bytes)) = part(".mme") {
         let header = Header::parse(name, bytes)?;
         if header.entries().next().is_none() {
-            notes.warning(format!("{name} states nothing of the test: vehicle, mass and speed are not known from it"));
+            notes.push(EmptyTestFile { file: name.to_owned() });
         } else if !channel_file::recognises(bytes) {
-            notes.warning(format!(
-                "{name} lacks the line \"Data format edition number\": read as ISO-MME by its name and its keyword \
-                 lines"
-            ));
+            notes.push(NoEdition { file: name.to_owned() });
         }
         details = details_of(name, &header, settings, &mut notes);
     }
@@ -64,7 +62,9 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
         match ChannelFile::parse(name, bytes) {
             Ok(file) => parsed.push((name, file)),
             Err(error) if single && *name == main.name => return Err(error),
-            Err(error) if single => notes.info(format!("{name} is not read: {error}")),
+            Err(error) if single => {
+                notes.push(OtherFileNotRead { file: (*name).to_owned(), reason: error.to_string() });
+            }
             Err(error) => unread.push(unread_channel(name, &error, &mut notes)),
         }
     }
@@ -109,7 +109,8 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
 
 /// A channel whose file cannot be read: listed without data, the reason in its comment.
 fn unread_channel(name: &str, error: &IngestError, notes: &mut Notes) -> ReadChannel {
-    notes.warning(format!("a channel is left out: {error}"));
+    let (file, reason) = (Some(name.to_owned()), Some(error.to_string()));
+    notes.push(ChannelLeftOut { channel: None, file, more: None, reason });
     let id = name.rsplit_once('.').map_or(name, |(_, number)| number);
     let channel = Channel::new(format!("file-{id}"), QuantityKind::Other);
     ReadChannel { aliases: vec![id.to_owned()], ..ReadChannel::without_readable_file(channel, error.to_string()) }
@@ -123,7 +124,8 @@ fn add_listed_channels(name: &str, list: &Header, channels: &mut Vec<ReadChannel
         listed += 1;
         let code = value.split(['/', ' ', '\t']).next().unwrap_or_default();
         let Ok((code, _)) = IsoCode::parse(code) else {
-            notes.info(format!("{name}: {keyword} is {value:?}, no channel code"));
+            let (keyword, value) = (keyword.to_owned(), value.to_owned());
+            notes.push(NoCodeInList { list: name.to_owned(), keyword, value });
             continue;
         };
         if channels.iter().any(|f| f.channel.code.as_deref() == Some(code.as_str())) {
@@ -135,13 +137,14 @@ fn add_listed_channels(name: &str, list: &Header, channels: &mut Vec<ReadChannel
         absent += 1;
     }
     if listed == 0 {
-        notes.info(format!("{name} lists no channels"));
+        notes.push(ListedCount { list: name.to_owned(), stated: None, listed });
     }
     if absent > 0 {
-        notes.info(format!("{absent} of {listed} channels listed in {name} have no file here"));
+        let (listed, list) = (Some(listed), Some(name.to_owned()));
+        notes.push(ChannelsAbsent { count: absent, listed, list, channels: None });
     }
     if let Some(stated) = list.number("number of channels").filter(|n| *n != listed as f64) {
-        notes.info(format!("{name} states {stated} channels and lists {listed}"));
+        notes.push(ListedCount { list: name.to_owned(), stated: Some(stated), listed });
     }
 }
 
@@ -179,17 +182,15 @@ fn details_of(file: &str, header: &Header, settings: &IngestSettings, notes: &mu
         if !taken {
             speed_not_taken =
                 Some(format!("{} is {} without a unit, in m/s faster than a crash test", stated.from, stated.value));
-            notes.warning(format!(
-                "{} is {} m/s, faster than a crash test: not taken, state --impact-speed",
-                stated.from, stated.value
-            ));
+            notes.push(TooFast { from: stated.from.clone(), speed_m_per_s: stated.value });
         }
         taken
     });
     let impact_speed_m_per_s = impact_speed_m_per_s.map(|s| Stated { value: s.value.abs(), ..s });
     let mut facts = header.others(&["title"]);
     if facts.len() > FACT_LIMIT {
-        notes.info(format!("{} further lines of {file} are left out", facts.len() - FACT_LIMIT));
+        let count = facts.len() - FACT_LIMIT;
+        notes.push(LinesNotUsed { count, file: Some(file.to_owned()), line: None });
         facts.truncate(FACT_LIMIT);
     }
     Details {
@@ -228,12 +229,13 @@ fn quantity(
         .collect();
     fits.sort_by_key(|(unnumbered, ..)| *unnumbered);
     for (_, keyword, value) in fits {
-        let (si, how) = match number(value) {
-            Some(bare) => (bare, format!(" (no unit: taken as {})", dimension.si_unit())),
-            None => match parse_value(value, dimension) {
-                Ok(si) => (si, String::new()),
+        let (file, keyword, value) = (file.to_owned(), keyword.to_owned(), value.to_owned());
+        let (si, unit) = match number(&value) {
+            Some(bare) => (bare, Some(dimension.si_unit().to_owned())),
+            None => match parse_value(&value, dimension) {
+                Ok(si) => (si, None),
                 Err(error) => {
-                    notes.info(format!("{file}, {keyword}: {error}: not taken"));
+                    notes.push(ValueNotTaken { file, keyword, reason: error.to_string() });
                     continue;
                 }
             },
@@ -241,8 +243,9 @@ fn quantity(
         if si == 0.0 {
             continue;
         }
-        notes.info(format!("{} is taken from {file}, {keyword:?}: {value}{how}", dimension.name()));
-        return Some(Stated { value: si, from: format!("{file}, {keyword}") });
+        let from = format!("{file}, {keyword}");
+        notes.push(ValueTaken { what: dimension.name().to_owned(), file, keyword, value, unit });
+        return Some(Stated { value: si, from });
     }
     None
 }
@@ -260,6 +263,86 @@ fn is_text_part(name: &str) -> bool {
 /// The folder of channel files in an ISO-MME test, in any case.
 pub fn is_channel_folder(name: &str) -> bool {
     name.eq_ignore_ascii_case("channel") || name.eq_ignore_ascii_case("channels")
+}
+
+remarks! {
+    /// Remarks of ISO-MME tests.
+    pub REMARKS;
+
+    /// The test file states nothing.
+    CR029 EmptyTestFile { file: String }
+    bears on (About::Record, Weight::Slight)
+    decided "No keyword of the .mme file has a value."
+    means "Mass, impact speed and vehicle are not known from it."
+    remedy "state --mass and --impact-speed, or give the test file that belongs to the channels"
+    says format!("{file} states nothing of the test: vehicle, mass and speed are not known from it");
+
+    /// The test file does not say its edition.
+    CR030 NoEdition { file: String }
+    bears on (About::Record, Weight::Slight)
+    decided "A test file of ISO-MME has the line \"Data format edition number\"; this one is known by its name and its \
+             keyword lines."
+    means "Keywords may mean something else than in ISO/TS 13499. Mass and speed that are taken are remarked (CR036)."
+    remedy "check what is taken from it, or add the line"
+    says format!(
+        "{file} lacks the line \"Data format edition number\": read as ISO-MME by its name and its keyword lines"
+    );
+
+    /// Another channel file beside the one that was given is not read.
+    CR031 OtherFileNotRead { file: String, reason: String }
+    bears on (About::Record, Weight::None)
+    decided "One channel file was given. Those beside it are read only for a channel of times; the sentence says what \
+             is wrong with this one."
+    means "Nothing for the channel that was given."
+    remedy "nothing"
+    says format!("{file} is not read: {reason}");
+
+    /// An entry of the list of channels is no channel code.
+    CR032 NoCodeInList { list: String, keyword: String, value: String }
+    bears on (About::Record, Weight::None)
+    decided "The .chn file lists channels by their codes; files and list are compared by code."
+    means "If no file has this channel, it is missing from the list of channels."
+    remedy "nothing"
+    says format!("{list}: {keyword} is {value:?}, no channel code");
+
+    /// The list of channels has another number of channels than it states, or none.
+    CR033 ListedCount { list: String, stated: Option<f64>, listed: usize }
+    bears on (About::Record, Weight::None)
+    decided "The entries of the .chn file are counted and compared with its line \"Number of channels\"."
+    means "Channels with a file are read. Which others the test had is not known for certain."
+    remedy "nothing; compare with the report of the test if a channel is missed"
+    says match stated {
+        Some(stated) => format!("{list} states {stated} channels and lists {listed}"),
+        None => format!("{list} lists no channels"),
+    };
+
+    /// The speed that the test file states is faster than a crash test.
+    CR034 TooFast { from: String, speed_m_per_s: f64 }
+    bears on (About::Record, Weight::Slight)
+    decided "A speed above 45 m/s (162 km/h) is not taken: without a unit it is in m/s, and may be meant in km/h."
+    means "The impact speed is not known from the file."
+    remedy "state --impact-speed with its unit, such as 50km/h"
+    says format!("{from} is {speed_m_per_s} m/s, faster than a crash test: not taken, state --impact-speed");
+
+    /// A mass or speed of the test file is no value with a unit of its kind.
+    CR035 ValueNotTaken { file: String, keyword: String, reason: String }
+    bears on (About::Record, Weight::None)
+    decided "A keyword with the word mass, weight, velocity or speed has a number, or a number and a unit that fits."
+    means "The value is not used. The next keyword of its kind is tried."
+    remedy "nothing; state --mass or --impact-speed where it is missed"
+    says format!("{file}, {keyword}: {reason}: not taken");
+
+    /// Mass or impact speed are taken from the test file.
+    CR036 ValueTaken { what: String, file: String, keyword: String, value: String, unit: Option<String> }
+    bears on (About::Record, Weight::None)
+    decided "The first keyword of the test object with the word mass or weight, velocity or speed, whose value is not \
+             zero. A bare number is in SI, as ISO/TS 13499 has it."
+    means "Force, energy, crush and models are made from it."
+    remedy "check keyword and value; --mass and --impact-speed state others"
+    says {
+        let how = unit.as_ref().map_or_else(String::new, |unit| format!(" (no unit: taken as {unit})"));
+        format!("{what} is taken from {file}, {keyword:?}: {value}{how}")
+    };
 }
 
 #[cfg(test)]

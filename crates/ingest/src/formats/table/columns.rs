@@ -6,11 +6,13 @@ use std::sync::Arc;
 use crumple_metrics::cumulative;
 use crumple_signal::iso13499::wildcard;
 use crumple_signal::unit::near;
-use crumple_signal::{About, Channel, Notes, QuantityKind, Sampled, SignalError, Weight};
+use crumple_signal::{Channel, Notes, QuantityKind, Sampled, SignalError};
 
 use crate::formats::iso13499;
+use crate::formats::remarks::{UnitReplaced, UnitUnknown};
 use crate::formats::table::header::{Column, TableHeader};
 use crate::formats::table::numbers::Rows;
+use crate::formats::table::remarks::{Integrated, SameTitles};
 use crate::formats::table::time_axis::TimeAxis;
 use crate::formats::text::column_names::{
     ACCELERATION, Unit, axis, cfc, names_acceleration, names_velocity_change, stated_unit,
@@ -79,7 +81,7 @@ pub fn channels(
         let quantity = match quantity {
             QuantityKind::Acceleration if is_integrated => {
                 samples = cumulative(&samples, time.grid.dt_s);
-                notes.info(format!("column {} is integrated to a change of velocity", header.columns[k].title));
+                notes.push(Integrated { column: header.columns[k].title.clone() });
                 QuantityKind::VelocityChange
             }
             other => other,
@@ -154,10 +156,8 @@ fn kinds(
             (Unit::Signal(QuantityKind::Acceleration, f), Some(((QuantityKind::Acceleration, over), true)))
                 if *f != over && (selected == Some(k) || accelerations == 1) =>
             {
-                notes.concern(About::Pulse, Weight::Marked, format!(
-                    "the header of column {title} says its unit is {f} m/s^2, the flag or sidecar says {over} m/s^2: \
-                     that is used"
-                ));
+                let (column, stated_m_per_s2, used_m_per_s2) = (Some(title.clone()), *f, over);
+                notes.push(UnitReplaced { channel: None, column, stated_m_per_s2, used_m_per_s2 });
                 (QuantityKind::Acceleration, over)
             }
             (Unit::Signal(QuantityKind::Velocity, f), _) if edr => (QuantityKind::VelocityChange, *f),
@@ -176,7 +176,7 @@ fn kinds(
         kinds.push(kind);
     }
     if !unknown.is_empty() {
-        notes.info(format!("no unit is known for {}: kept as read, quantity other", unknown.join(", ")));
+        notes.push(UnitUnknown { unit: None, channels: unknown.join(", ") });
     }
     kinds
 }
@@ -337,8 +337,8 @@ fn same_titles(header: &TableHeader, data: &[usize], ids: &[String], notes: &mut
         by_title.entry(header.columns[*k].title.as_str()).or_default().push((k + 1, id));
     }
     for (title, columns) in by_title.into_iter().filter(|(_, columns)| columns.len() > 1) {
-        let list: Vec<String> = columns.iter().map(|(number, id)| format!("column {number} is {id}")).collect();
-        notes.warning(format!("{} columns have the title {title:?}: {}", columns.len(), list.join(", ")));
+        let named = columns.iter().map(|(number, id)| format!("column {number} is {id}")).collect();
+        notes.push(SameTitles { count: columns.len(), title: title.to_owned(), columns: named });
     }
 }
 

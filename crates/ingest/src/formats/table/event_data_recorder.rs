@@ -6,10 +6,12 @@
 //! one is kept, and both are compared.
 
 use crumple_signal::unit::signal_unit;
-use crumple_signal::{About, Notes, QuantityKind, Weight};
+use crumple_signal::{Notes, QuantityKind};
 
 use crate::formats::reader::Bundle;
+use crate::formats::remarks::{ColumnsOfWords, PartsNotRead};
 use crate::formats::table::layout::Delimiter;
+use crate::formats::table::remarks::{FileNotComplete, OfARecorder, TableNotRead, TwoNumbers, TwoUnitsDiffer};
 use crate::formats::table::{OneTable, TextAbove, header, one_table};
 use crate::formats::text::column_names::{axis, names_acceleration, names_velocity_change};
 use crate::formats::text::lines::{Line, Lines, comment, decode, field, is_gap, unquoted};
@@ -55,7 +57,7 @@ pub fn read(file: &str, text: &[u8], bundle: &Bundle, settings: &IngestSettings)
             Ok(table) => table,
             // A table that a list cannot read does not hide the others.
             Err(error) if settings.listing || channels.iter().any(is_change) => {
-                notes.warning(format!("{} is not read: {error}", section.name()));
+                notes.push(TableNotRead { table: section.name(), reason: error.to_string() });
                 continue;
             }
             Err(error) => return Err(error),
@@ -76,15 +78,19 @@ pub fn read(file: &str, text: &[u8], bundle: &Bundle, settings: &IngestSettings)
         }
     }
     if !left_out.is_empty() {
-        notes.info(format!("other tables of the report, not read: {}", left_out.join(", ")));
+        notes.push(PartsNotRead { parts: "tables", names: left_out.join(", ") });
     }
-    for line in incompleteness(text, file)? {
-        details.facts.push(format!("the recorder says that its file is not complete ({line})"));
-        let text = format!("the recorder says that its file is not complete ({line}): the event may be cut off");
-        notes.concern(About::Motion, Weight::Decisive, text);
+    for (line, words) in incompleteness(text, file)? {
+        details.facts.push(not_complete(line, &words));
+        notes.push(FileNotComplete { line, words });
     }
     edr_notes(&channels, &mut details, &mut notes);
     Ok(Some(Recording { details, channels, pulse_rule: PulseRule::OnlyOne, contact_at_zero: false, notes }))
+}
+
+/// What the recorder says of its file in a line.
+pub fn not_complete(line: usize, words: &str) -> String {
+    format!("the recorder says that its file is not complete (line {line}: {words})")
 }
 
 fn is_change(read: &ReadChannel) -> bool {
@@ -123,13 +129,7 @@ pub fn edr_notes(channels: &[ReadChannel], details: &mut Details, notes: &mut No
     details.facts.push(
         "event data recorder (49 CFR 563): time zero is the recorder's, some milliseconds after contact".to_owned(),
     );
-    notes.concern(
-        About::Motion,
-        Weight::Marked,
-        "event data recorder table: the velocity change is cumulative and coarse (as a rule 10 ms, whole km/h or mph), \
-         and how the recorder filtered it is not stated: peak acceleration and force cannot be taken from it, crush \
-         roughly",
-    );
+    notes.push(OfARecorder {});
 }
 
 /// Delimiters of reports, most particular first.
@@ -199,8 +199,8 @@ fn report_tables(text: &[u8], file: &str) -> Result<Vec<ReportTable>> {
     Ok(sections)
 }
 
-/// What the report says of its own completeness: `Complete File Recorded, No`, with the title above it.
-fn incompleteness(text: &[u8], file: &str) -> Result<Vec<String>> {
+/// What the report says of its own completeness, by line: `Complete File Recorded, No`.
+fn incompleteness(text: &[u8], file: &str) -> Result<Vec<(usize, String)>> {
     let mut incomplete = Vec::new();
     let mut lines = Lines::new(file, text);
     while let Some(line) = lines.take()? {
@@ -212,7 +212,7 @@ fn incompleteness(text: &[u8], file: &str) -> Result<Vec<String>> {
             && !is_question_alone
             && answer.is_some_and(|word| word.eq_ignore_ascii_case("no"))
         {
-            incomplete.push(format!("line {}: {}", line.number, words.trim()));
+            incomplete.push((line.number, words.trim().to_owned()));
         }
     }
     Ok(incomplete)
@@ -335,13 +335,11 @@ fn report_table(
         columns.push(Column { title, cells: column.into_iter().map(<[u8]>::to_vec).collect() });
     }
     if !of_words.is_empty() {
-        notes.info(format!("columns of words in the table {title:?} are not read: {}", of_words.join(", ")));
+        notes.push(ColumnsOfWords { columns: of_words.join(", "), table: Some(title.clone()), with_words: 0 });
     }
     if !with_words.is_empty() {
-        notes.info(format!(
-            "columns with words among their numbers in the table {title:?} are not read: {}",
-            with_words.join(", ")
-        ));
+        let (columns, with_words) = (with_words.join(", "), with_words.len());
+        notes.push(ColumnsOfWords { columns, table: Some(title.clone()), with_words });
     }
     let change = columns.iter().any(|c| names_velocity_change(&c.title));
     let acceleration = columns.iter().any(|c| is_acceleration(&c.title));
@@ -379,9 +377,7 @@ fn finer_of_two_units(
     notes: &mut Notes,
 ) -> Column {
     let Some((name, units)) = dual else {
-        notes.warning(format!(
-            "two numbers in the cells of column {name}, but not two units in its name: the first is used"
-        ));
+        notes.push(TwoNumbers { column: name.to_owned() });
         let cells = column.iter().zip(pairs).map(|(cell, pair)| pair.map_or(cell.to_vec(), |[(first, _), _]| first));
         return Column { title: name.to_owned(), cells: cells.collect() };
     };
@@ -415,11 +411,8 @@ fn finer_of_two_units(
         cells.push(if kept == 0 { first.0 } else { second.0 });
     }
     if let Some((_, line, cell)) = worst {
-        notes.warning(format!(
-            "{apart} cells of column {name} say two different things in {} and {}, the worst {cell:?} in line {line}: \
-             {} is used",
-            units[0], units[1], units[kept]
-        ));
+        let (column, used, [first, second]) = (name.clone(), units[kept].clone(), units.clone());
+        notes.push(TwoUnitsDiffer { cells: apart, column, first, second, cell, line, used });
     }
     Column { title: format!("{name} ({})", units[kept]), cells }
 }
@@ -499,9 +492,9 @@ mod tests {
         let titles: Vec<_> = tables.iter().map(|s| (s.title.as_str(), s.is_pulse)).collect();
         assert_eq!(titles, [("Pre-Crash Data", false), ("Lateral Crash Pulse", true)]);
         assert!(tables[0].notes.to_texts().join("").contains("not read: Brake"));
-        assert_eq!(incompleteness(text, "a.csv").unwrap(), ["line 2: Complete File Recorded,No"]);
-        assert_eq!(incompleteness(b"Complete File Recorded (Yes, No),Yes\n", "a.csv").unwrap(), [""; 0]);
-        assert_eq!(incompleteness(b"Complete File Recorded (Yes, No)\n", "a.csv").unwrap(), [""; 0]);
+        assert_eq!(incompleteness(text, "a.csv").unwrap(), [(2, "Complete File Recorded,No".to_owned())]);
+        assert_eq!(incompleteness(b"Complete File Recorded (Yes, No),Yes\n", "a.csv").unwrap(), []);
+        assert_eq!(incompleteness(b"Complete File Recorded (Yes, No)\n", "a.csv").unwrap(), []);
     }
 
     #[test]

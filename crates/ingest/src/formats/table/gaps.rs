@@ -2,8 +2,10 @@
 
 use crumple_signal::{Axis, Notes, QuantityKind};
 
+use crate::formats::remarks::{ColumnsOfWords, LateColumns};
 use crate::formats::table::header::TableHeader;
 use crate::formats::table::numbers::{GAPS, Rows};
+use crate::formats::table::remarks::{ColumnsWithGaps, RowsWithGaps};
 use crate::formats::table::time_axis::is_time_column;
 use crate::formats::table::{columns, layout::Cells};
 use crate::formats::text::column_names::{Unit, axis, names_acceleration};
@@ -25,10 +27,10 @@ pub fn settle(
     let words: Vec<usize> = (0..count).filter(|k| rows.cells[*k] == Cells::Words).collect();
     words.iter().for_each(|k| rows.columns[*k] = Vec::new());
     if !words.is_empty() {
-        notes.info(format!("columns of words are left out: {}", columns::titles(header, &words)));
+        notes.push(ColumnsOfWords { columns: columns::titles(header, &words), table: None, with_words: 0 });
     }
     if rows.begins_late {
-        notes.warning("columns that are blank in the first rows and filled later are left out");
+        notes.push(LateColumns { names: None });
     }
     let with_gaps = |rows: &Rows| (0..count).filter(|k| rows.gap(*k).is_some()).collect::<Vec<_>>();
     let gaps = with_gaps(rows);
@@ -61,16 +63,12 @@ pub fn settle(
     if !needed.is_empty() && !settings.listing {
         let before = rows.lines.len();
         rows.keep_filled(&needed);
-        notes.warning(format!(
-            "{} of {before} rows have no number in {}, and are left out",
-            before - rows.lines.len(),
-            columns::titles(header, &needed)
-        ));
+        let (left_out, columns) = (before - rows.lines.len(), columns::titles(header, &needed));
+        notes.push(RowsWithGaps { rows: left_out, of: before, columns });
     }
     let gaps = with_gaps(rows);
     if !gaps.is_empty() {
-        let titles = columns::titles(header, &gaps);
-        notes.warning(format!("columns with gaps are left out: {titles}; --channel takes the one it names"));
+        notes.push(ColumnsWithGaps { columns: columns::titles(header, &gaps) });
     }
     gaps.into_iter().for_each(|k| rows.columns[k] = Vec::new());
     Ok(())

@@ -8,6 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crumple_signal::Note;
 
 use crate::formats::table::layout::Delimiter;
+use crate::formats::table::remarks::{LinesOfNoRow, TextOfLogger};
 use crate::formats::text::lines::{NumberStyle, decode, unquoted};
 use crate::recording::content::list;
 use crate::time::stamps::stamp;
@@ -52,6 +53,11 @@ fn clock_and_row(line: &str) -> Option<(&str, &str)> {
     stamp(clock.trim()).map(|_| (clock.trim(), row.trim()))
 }
 
+/// That a text has a form that needs no further words.
+fn read_as(form: &'static str) -> Note {
+    TextOfLogger { form, interval_s: None, series: None, names: None }.into()
+}
+
 fn behind_a_clock(lines: &[String]) -> AsTable {
     let delimiter_of = |row: &str| [';', '\t', ','].into_iter().find(|c| row.contains(*c)).unwrap_or(' ');
     let row = |line: &String| {
@@ -69,7 +75,7 @@ fn behind_a_clock(lines: &[String]) -> AsTable {
         }
     }
     let text = rows.join("\n").into_bytes();
-    AsTable { text, note: Note::info("the clock in front of each row, before \"->\", is the time") }
+    AsTable { text, note: read_as("serial monitor") }
 }
 
 /// The labels and numbers of `t:0 X: 0.00, Y= 0.01`, behind a clock or not; `None` where anything else stands there.
@@ -125,15 +131,11 @@ fn labelled(lines: &[String]) -> Option<AsTable> {
         Some(above) => rows[above] = names.join("\t"),
         None => rows.insert(0, names.join("\t")),
     }
-    let mut note = "the words before the numbers of each row are the names of its columns".to_owned();
-    if let [(number, words), ..] = left_out.as_slice() {
-        note += &format!(
-            "; {} lines that are no such row are left out, the first is line {number}: {words:?}",
-            left_out.len()
-        );
-    }
     // Without a time in each row a line that is left out is a sample that is lost.
-    let note = if left_out.is_empty() { Note::info(note) } else { Note::warning(note) };
+    let note = match left_out.as_slice() {
+        [] => read_as("labels"),
+        [(line, words), ..] => LinesOfNoRow { lines: left_out.len(), line: *line, words: words.clone() }.into(),
+    };
     Some(AsTable { text: rows.join("\n").into_bytes(), note })
 }
 
@@ -162,7 +164,7 @@ fn of_one_start(lines: &[String]) -> Option<AsTable> {
     rows.push(format!("time_s\t{names}"));
     let of_data = lines[data + 1..].iter().take_while(|line| !line.trim().is_empty()).enumerate();
     rows.extend(of_data.map(|(k, line)| format!("{:.9}\t{line}", k as f64 * dt_s)));
-    let note = Note::info(format!("the sampling interval is that of the line dt, {dt_s} s"));
+    let note = TextOfLogger { form: "LabVIEW", interval_s: Some(dt_s), series: None, names: None }.into();
     Some(AsTable { text: rows.join("\n").into_bytes(), note })
 }
 
@@ -190,8 +192,7 @@ fn scaled(lines: &[String]) -> Option<AsTable> {
         });
         cells.collect::<Vec<_>>().join(",")
     }));
-    let note = Note::info("Gyroflow IMU log: its scales (tscale, ascale, gscale) are applied");
-    Some(AsTable { text: rows.join("\n").into_bytes(), note })
+    Some(AsTable { text: rows.join("\n").into_bytes(), note: read_as("Gyroflow") })
 }
 
 /// One series of InfluxDB: its name, and the time and value of its rows.
@@ -252,6 +253,7 @@ fn series(file: &str, lines: &[String], wanted: Option<&str>) -> Result<Option<A
         let values: Vec<&str> = chosen.iter().map(|(_, rows)| rows[k].2.as_str()).collect();
         format!("{}\t{}", chosen[0].1[k].1, values.join("\t"))
     }));
-    let note = Note::info(format!("annotated CSV of InfluxDB: {} series: {}", titles.len(), list(&titles)));
+    let (series, names) = (Some(titles.len()), Some(list(&titles)));
+    let note = TextOfLogger { form: "InfluxDB", interval_s: None, series, names }.into();
     Ok(Some(AsTable { text: text.join("\n").into_bytes(), note }))
 }

@@ -2,11 +2,13 @@
 
 use std::borrow::Cow;
 
-use crumple_signal::{Notes, QuantityKind};
+use crumple_signal::{Notes, QuantityKind, STANDARD_GRAVITY_M_PER_S2};
 
 use crate::formats::iso13499;
 use crate::formats::reader::{Bundle, Reader};
+use crate::formats::remarks::LinesNotUsed;
 use crate::formats::table::numbers::{LeftOut, Remnant};
+use crate::formats::table::remarks::{KiloG, LinesAtEnds, NamesAndColumns};
 use crate::formats::text::lines::{Line, NumberStyle, decode, is_text, without_mark};
 use crate::recording::content::{MINIMUM_SAMPLES, ReadChannel, Recording};
 use crate::recording::details::{Details, Stated, from_comments};
@@ -22,6 +24,7 @@ pub mod layout;
 mod logs;
 pub mod numbers;
 mod pairs;
+pub mod remarks;
 mod time_axis;
 
 /// Tables: whatever is text and nothing else. UTF-16 and old Macintosh line ends are converted as a whole, so such
@@ -258,19 +261,15 @@ fn refuse_scale_factor(file: &str, layout: &layout::Layout) -> Result<()> {
 
 fn header_notes(file: &str, header: &header::TableHeader, text_above: TextAbove, notes: &mut Notes) {
     let (names, columns) = (header.names, header.columns.len());
-    if names > columns {
-        notes
-            .warning(format!("{names} names in the header of {file}, but {columns} columns: the first names are used"));
-    } else if header.lacks_names() {
-        let rest = "which of them stands above which is not known";
-        notes.warning(format!("{columns} fields in the rows of {file}, but {names} names in its header: {rest}"));
+    if names > columns || header.lacks_names() {
+        notes.push(NamesAndColumns { file: file.to_owned(), names, columns });
     }
     if !header.kilo_g.is_empty() {
-        notes.info("unit kg in a column of acceleration is read as kilo-g, 9806.65 m/s^2");
+        notes.push(KiloG { factor_m_per_s2: 1e3 * STANDARD_GRAVITY_M_PER_S2 });
     }
     if let Some(line) = header.ignored_lines.first().filter(|_| text_above == TextAbove::Unused) {
-        let count = header.ignored_lines.len();
-        notes.info(format!("{count} lines of text above the header of {file} are not used, the first is line {line}"));
+        let (count, file) = (header.ignored_lines.len(), Some(file.to_owned()));
+        notes.push(LinesNotUsed { count, file, line: Some(*line) });
     }
 }
 
@@ -278,19 +277,13 @@ fn left_out_notes(file: &str, rows: &numbers::Rows, notes: &mut Notes) {
     let (gaps, text): (Vec<&LeftOut>, Vec<&LeftOut>) =
         rows.left_out.iter().partition(|left_out| left_out.what == Remnant::Gap);
     if let [first, ..] = gaps.as_slice() {
-        notes.warning(format!(
-            "{} rows without values at the ends of {file} are left out, the first is line {}",
-            gaps.len(),
-            first.line
-        ));
+        notes.push(LinesAtEnds { file: file.to_owned(), count: gaps.len(), line: first.line, words: None });
     }
     if let [first, ..] = text.as_slice()
         && let Remnant::Footer(words) = &first.what
     {
-        let (count, line) = (text.len(), first.line);
-        notes.warning(format!(
-            "{count} lines of text below the rows of {file} are not used, from line {line}: {words:?}"
-        ));
+        let words = Some(words.clone());
+        notes.push(LinesAtEnds { file: file.to_owned(), count: text.len(), line: first.line, words });
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crumple_signal::Notes;
 
+use crate::formats::remarks::{LateColumns, TimeChannels};
 use crate::formats::table::OfOneTime;
 use crate::formats::table::columns::{ids, select};
 use crate::formats::table::header::TableHeader;
@@ -92,7 +93,7 @@ pub fn channels(
         None => !has_any || group.data.iter().any(is_acceleration),
     };
     if rows.begins_late {
-        notes.warning("columns that are blank in the first rows and filled later are left out");
+        notes.push(LateColumns { names: None });
     }
     let mut all = Vec::new();
     let mut first_origin = None;
@@ -121,7 +122,7 @@ pub fn channels(
         }
     }
     let titles: Vec<&str> = groups.iter().map(|group| header.columns[group.time].title.as_str()).collect();
-    notes.info(format!("{} columns of times, each of the channels behind it: {}", titles.len(), titles.join(", ")));
+    notes.push(TimeChannels { names: titles.join(", "), pairs: Some(titles.len()) });
     Ok(all)
 }
 

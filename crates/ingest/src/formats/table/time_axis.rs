@@ -3,9 +3,11 @@
 use crumple_signal::Notes;
 
 use crate::error::Question;
+use crate::formats::remarks::{Resampled, TimesFromFirst};
 use crate::formats::table::header::TableHeader;
 use crate::formats::table::layout::Cells;
 use crate::formats::table::numbers::Rows;
+use crate::formats::table::remarks::{NoChannel, TimesStandStill};
 use crate::formats::text::column_names::{Unit, is_counter_name, is_time_name, names_acceleration};
 use crate::recording::details::Stated;
 use crate::recording::settings;
@@ -42,8 +44,7 @@ pub fn stated(file: &str, header: &TableHeader, rows: &Rows, interval_s: f64, no
         return refuse(format!("column {title} is named as time"), "leave --sample-time away");
     }
     for k in &times {
-        let title = &header.columns[*k].title;
-        notes.warning(format!("the times of column {title} do not increase from row to row: --sample-time counts"));
+        notes.push(TimesStandStill { column: header.columns[*k].title.clone() });
     }
     // Without names the first column may count the rows as well.
     let mut columns = counters(header, rows, |k| is_time_column(header, rows, k) || (!header.named && k == 0), notes);
@@ -76,7 +77,7 @@ fn counters(header: &TableHeader, rows: &Rows, may_count: impl Fn(usize) -> bool
     };
     let counters: Vec<usize> = (0..header.columns.len()).filter(is_counter).collect();
     for k in &counters {
-        notes.info(format!("column {} ({}) counts the rows: left out", k + 1, header.columns[*k].title));
+        notes.push(NoChannel { number: k + 1, column: header.columns[*k].title.clone(), times_of: None });
     }
     counters
 }
@@ -198,7 +199,7 @@ pub fn find(
     };
     let Timed { mut grid, interpolation, words, origin_s, is_of_a_clock } = times.timed(settings, place, notes)?;
     if let Some(interpolation) = interpolation {
-        notes.warning(format!("{count} rows are resampled {words}"));
+        notes.push(Resampled { topic: None, times: None, count: Some(count), words });
         for (_, samples) in rows.columns.iter_mut().enumerate().filter(|(k, _)| *k != column) {
             *samples = interpolation.apply(samples.len(), |k| samples[k]);
         }
@@ -207,9 +208,9 @@ pub fn find(
     let is_absolute = settings.time_zero.and_then(TimeZero::stated).is_some_and(|zero| zero.si().abs() > CALENDAR_S);
     match origin_s.filter(|_| is_absolute) {
         Some(origin_s) => grid.t0_s += origin_s,
-        None if origin_s.is_some() || is_of_a_clock => notes.info(format!(
-            "the times of column {title} count from the first one; --time-zero states first contact on that axis"
-        )),
+        None if origin_s.is_some() || is_of_a_clock => {
+            notes.push(TimesFromFirst { column: Some(title), since_start_s: None, first_s: None });
+        }
         None => {}
     }
     Ok(TimeAxis { columns, grid, origin_s: origin_s.filter(|_| !is_absolute) })
@@ -266,7 +267,7 @@ fn same_times(file: &str, header: &TableHeader, rows: &Rows, column: usize, note
                 format!("export the channels of {title} into a file of their own, or leave that column out"),
             );
         }
-        notes.info(format!("column {} ({title}) repeats the times of column {of_first}: left out", k + 1));
+        notes.push(NoChannel { number: k + 1, column: title.clone(), times_of: Some(of_first.clone()) });
     }
     Ok(others)
 }

@@ -36,7 +36,7 @@ fn read(bundle: &Bundle, settings: &IngestSettings) -> Result<Recording> {
     let (file, bytes) = (bundle.main.name.as_str(), bundle.main.bytes.as_slice());
     let Content { objects, warnings } = segments::read(file, bytes)?;
     let mut notes = Notes::new();
-    warnings.iter().take(12).for_each(|warning| notes.warning(warning.clone()));
+    warnings.into_iter().take(12).for_each(|warning| notes.push(warning));
 
     let layers = Layers::from_objects(&objects);
     let all: Vec<&Properties> = objects.iter().map(|object| &object.properties).collect();

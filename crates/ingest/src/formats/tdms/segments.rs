@@ -9,6 +9,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::formats::remarks::CutShort;
 use crate::formats::tdms::metadata::{self, Properties, Property, RawIndex, SegmentData, Type, entry};
 use crate::time::stamps::Instant;
 use crate::{Refusal, Result, refuse, refuse_size};
@@ -146,7 +147,7 @@ fn shown(property: Option<&Property>) -> String {
 pub struct Content {
     pub objects: Vec<Object>,
     /// Oddities that did not stop the reading.
-    pub warnings: Vec<String>,
+    pub warnings: Vec<CutShort>,
 }
 
 /// State between segments.
@@ -170,7 +171,7 @@ pub fn read(file: &str, bytes: &[u8]) -> Result<Content> {
     while at < bytes.len() {
         let left = bytes.len() - at;
         if left < 28 && at > 0 {
-            walk.content.warnings.push(format!("the file ends with {left} bytes that are no whole segment"));
+            walk.content.warnings.push(CutShort { left_bytes: Some(left), ..CutShort::SOMEWHERE });
             break;
         }
         at = walk.segment(bytes, at)?;
@@ -202,10 +203,9 @@ impl Walk<'_> {
         let whole = end.filter(|end| length != u64::MAX && *end <= bytes.len());
         let end = whole.unwrap_or(bytes.len());
         if whole.is_none() {
-            let what = if length == u64::MAX { "has no length" } else { "is longer than the file" };
-            self.content.warnings.push(format!(
-                "the segment at byte {at} {what}: the recording was aborted, it is read as far as it goes"
-            ));
+            let stated_bytes = (length != u64::MAX).then_some(length);
+            let cut = CutShort { segment_at_byte: Some(at), stated_bytes, ..CutShort::SOMEWHERE };
+            self.content.warnings.push(cut);
         }
         let mut metadata_end = body;
         if toc & METADATA != 0 {
@@ -297,7 +297,7 @@ impl Walk<'_> {
             self.contiguous(&active, raw, big_endian)?
         };
         if rest {
-            self.content.warnings.push(format!("the raw data from byte {start} on end in the middle of a chunk"));
+            self.content.warnings.push(CutShort { data_at_byte: Some(start), ..CutShort::SOMEWHERE });
         }
         Ok(())
     }

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crumple_signal::Notes;
 use crumple_signal::unit::{self, Dimension};
+use crumple_signal::{About, Notes, Weight, remarks};
 
 use crate::formats::text::column_names::{Unit, is_time_name, split_unit};
 use crate::recording::content::{Ids, ReadChannel, list};
@@ -209,10 +209,7 @@ pub fn align(
     };
     let apart_s = starts.iter().map(|(_, start, _)| start.since(*first)).fold(0.0, f64::max);
     if apart_s > ONE_EVENT_S {
-        notes.warning(format!(
-            "channels start at times of the day up to {apart_s:.3} s apart: they are not of one event, and each keeps \
-             its own axis"
-        ));
+        notes.push(StartsApart { apart_s });
         return Ok(());
     }
     let mut shifted = Vec::new();
@@ -230,13 +227,37 @@ pub fn align(
         shifted.push(format!("{} {:+.3} ms", read.channel.id, 1e3 * later_s));
     }
     if !shifted.is_empty() {
-        notes.info(format!(
-            "channels start at different times: all use the axis of {name}, which starts first ({}). --time-zero \
-             counts on that axis",
-            list(&shifted)
-        ));
+        notes.push(StartsDiffer { first: name.clone(), shifts: list(&shifted) });
     }
     Ok(())
+}
+
+remarks! {
+    /// Remarks of the starts of waveforms.
+    pub REMARKS;
+
+    /// Channels start so far apart that they are not of one event.
+    CR060 StartsApart { apart_s: f64 }
+    bears on (About::Record, Weight::Slight)
+    decided "The clock of the file says when each channel starts; one event starts within 60 s."
+    means "No channel is moved: times of different channels cannot be compared."
+    remedy "export the channels of one event into a file of their own"
+    says format!(
+        "channels start at times of the day up to {apart_s:.3} s apart: they are not of one event, and each keeps its \
+         own axis"
+    );
+
+    /// Channels start at different times, and were brought to one axis.
+    CR061 StartsDiffer { first: String, shifts: String }
+    bears on (About::Record, Weight::None)
+    decided "The clock of the file says when each channel starts. A shift below a thousandth of the interval is \
+             rounding of that clock."
+    means "Samples stay as they are. Times of all channels count from the same moment."
+    remedy "nothing; --time-zero counts on the axis of the channel that starts first"
+    says format!(
+        "channels start at different times: all use the axis of {first}, which starts first ({shifts}). --time-zero \
+         counts on that axis"
+    );
 }
 
 #[cfg(test)]

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use crumple_signal::Notes;
 use crumple_signal::value::Time;
+use crumple_signal::{About, Notes, Weight, remarks};
 
 use crate::error::Question;
+use crate::formats::remarks::{Resampled, TimeChannels};
 use crate::formats::text::column_names::Unit;
 use crate::formats::waveform::channel::{Label, Waveform, is_named_time};
 use crate::recording::content::list;
@@ -230,39 +231,27 @@ impl Clocks {
     pub fn notes(&self, notes: &mut Notes) {
         for clock in self.by_group.values() {
             for (samples, ids) in &clock.cut {
-                notes.warning(format!(
-                    "the channel of times {} has {} samples, {} {samples}: the shorter length is used",
-                    clock.title,
-                    clock.samples,
-                    list(ids)
-                ));
+                let (times, of_times) = (clock.title.clone(), clock.samples);
+                notes.push(LengthsDiffer { times, of_times, channels: list(ids), samples: *samples });
             }
             if let Some(Resampling { words, used: true, .. }) = &clock.resampling {
-                notes.warning(format!("channels timed by {} are resampled {words}", clock.title));
+                let (times, words) = (Some(clock.title.clone()), words.clone());
+                notes.push(Resampled { topic: None, times, count: None, words });
             }
-            for (ids, used) in [(&clock.overruled, "the channel of times is used"), (&clock.differ, "those are used")] {
+            for (ids, used) in [(&clock.overruled, "the channel of times"), (&clock.differ, "the steps")] {
                 if !ids.is_empty() {
-                    notes.warning(format!(
-                        "the channel of times {} differs from the steps that {} have of their own: {used}",
-                        clock.title,
-                        list(ids)
-                    ));
+                    notes.push(TimesAgainstSteps { times: clock.title.clone(), channels: list(ids), used });
                 }
             }
         }
         for clock in self.by_group.values().filter(|clock| !clock.defaults.is_empty()) {
-            notes.info(format!(
-                "{} have an interval that no crash is recorded at (a default of the program that wrote the file): the \
-                 channel of times {} is used",
-                list(&clock.defaults),
-                clock.title
-            ));
+            notes.push(DefaultInterval { channels: list(&clock.defaults), times: clock.title.clone() });
         }
         let mut names: Vec<(usize, &str)> = self.by_group.values().map(|c| (c.index, c.title.as_str())).collect();
         names.sort_unstable();
         if !names.is_empty() {
             let names: Vec<&str> = names.into_iter().map(|(_, name)| name).collect();
-            notes.info(format!("{} is the time axis of the other channels", list(&names)));
+            notes.push(TimeChannels { names: list(&names), pairs: None });
         }
     }
 }
@@ -319,4 +308,43 @@ fn grid_of(
     let resampling = interpolation.map(|interpolation| Resampling { interpolation, words, used: false });
     let whole = |s: f64| Instant { seconds: s.floor() as i64, fraction_s: s - s.floor() };
     Ok((grid, origin_s.map(whole), resampling))
+}
+
+remarks! {
+    /// Remarks of the clocks of waveforms.
+    pub REMARKS;
+
+    /// Channels and their times are of different lengths.
+    CR062 LengthsDiffer { times: String, of_times: usize, channels: String, samples: usize }
+    bears on (About::Record, Weight::Slight)
+    decided "The channel of times of the group is compared with the channels that have no steps of their own."
+    means "The ends of the longer one are left off. If samples are missing inside, times behind them are wrong."
+    remedy "export the group again, with times and samples of one length"
+    says format!(
+        "the channel of times {times} has {of_times} samples, {channels} {samples}: the shorter length is used"
+    );
+
+    /// A channel of times and the steps of the channels say different times.
+    CR063 TimesAgainstSteps { times: String, channels: String, used: &'static str }
+    bears on (About::Record, Weight::Slight)
+    decided "Start and end of both are compared: half an interval is left. The channel of times is used for a motion \
+             with as many samples, else the steps."
+    means "If the other one is right, times, velocity and crush are wrong by the ratio of both."
+    remedy "check the sampling rate against the data sheet of the recorder"
+    says {
+        let used = if *used == "the steps" { "those are used" } else { "the channel of times is used" };
+        format!("the channel of times {times} differs from the steps that {channels} have of their own: {used}")
+    };
+
+    /// The interval of channels is the default of the program that wrote the file.
+    CR064 DefaultInterval { channels: String, times: String }
+    bears on (About::Record, Weight::None)
+    decided "An acceleration or velocity with an interval above 0.02 s is none of a crash: LabVIEW and DIAdem write 1 \
+             where they know none."
+    means "The interval is not used, the channel of times is."
+    remedy "nothing"
+    says format!(
+        "{channels} have an interval that no crash is recorded at (a default of the program that wrote the file): the \
+         channel of times {times} is used"
+    );
 }

@@ -1,8 +1,9 @@
 //! Named waveforms as channels in SI, and what is noted about them.
 
-use crumple_signal::{About, Channel, Notes, QuantityKind, Sampled, Weight};
+use crumple_signal::{About, Channel, Notes, QuantityKind, Sampled, Weight, remarks};
 
 use crate::formats::iso13499;
+use crate::formats::remarks::{ChannelLeftOut, MissingAtEnds, PartsNotRead, UnitReplaced, UnitUnknown};
 use crate::formats::text::column_names::{self, Unit, names_acceleration, stated_unit};
 use crate::formats::waveform::channel::{self, Label, Waveform};
 use crate::formats::waveform::clock::{Asked, Clocks, TimeOfChannel};
@@ -70,7 +71,7 @@ pub fn to_channels(
         let unit_s = time::stated_unit(file, symbol, "--time-unit or the sidecar")?;
         let is_other = |waveform: &Waveform| waveform.steps.is_some() && waveform.step_unit_s != unit_s;
         if waveforms.iter().any(is_other) {
-            notes.info(format!("the steps of the channels are in {symbol} by --time-unit; the file has another unit"));
+            notes.push(UnitOfSteps { unit: symbol.to_owned() });
         }
         waveforms.iter_mut().for_each(|waveform| waveform.step_unit_s = unit_s);
     }
@@ -194,19 +195,22 @@ impl Remarks {
         self.trimmed.sort_by_key(|(count, _)| *count);
         for same in self.trimmed.chunk_by(|a, b| a.0 == b.0) {
             let ids: Vec<&str> = same.iter().map(|(_, id)| id.as_str()).collect();
-            notes.warning(format!("{} missing samples (NaN) were cut off at the end of {}", same[0].0, list(&ids)));
+            let channels = Some(list(&ids));
+            notes.push(MissingAtEnds { file: None, channels, before: 0, after: same[0].0 });
         }
         if !self.empty.is_empty() {
-            notes.info(format!("no samples in {}: left out", list(&self.empty)));
+            notes.push(PartsNotRead { parts: "channels", names: list(&self.empty) });
         }
         if !self.no_unit.is_empty() {
-            notes.info(format!("no unit is known for {}: kept as read, quantity other", list(&self.no_unit)));
+            notes.push(UnitUnknown { unit: None, channels: list(&self.no_unit) });
         }
         for error in self.left_out.iter().take(12) {
-            notes.warning(format!("left out: {error}"));
+            let reason = Some(error.to_string());
+            notes.push(ChannelLeftOut { channel: None, file: None, more: None, reason });
         }
         if self.left_out.len() > 12 {
-            notes.warning(format!("{} more channels are left out", self.left_out.len() - 12));
+            let more = Some(self.left_out.len() - 12);
+            notes.push(ChannelLeftOut { channel: None, file: None, more, reason: None });
         }
     }
 }
@@ -237,9 +241,8 @@ pub fn quantities(
             (Unit::Signal(QuantityKind::Acceleration, f), Some((QuantityKind::Acceleration, over)))
                 if *f != over && (wanted == Some(k) || accelerations == 1) =>
             {
-                let (by_file, by_flag) = (format!("{f} m/s^2 by the file"), "by the flag or sidecar: that is used");
-                let text = format!("the unit of channel {title} is {by_file}, {over} m/s^2 {by_flag}");
-                notes.concern(About::Pulse, Weight::Marked, text);
+                let (channel, stated_m_per_s2, used_m_per_s2) = (Some(title.clone()), *f, over);
+                notes.push(UnitReplaced { channel, column: None, stated_m_per_s2, used_m_per_s2 });
                 (QuantityKind::Acceleration, over)
             }
             (Unit::Signal(kind, f), _) => (*kind, *f),
@@ -275,6 +278,19 @@ pub fn quantities(
 fn speaks_of_acceleration(title: &str) -> bool {
     let other_words = ["accept", "accur", "access", "accum", "accord"];
     names_acceleration(&other_words.iter().fold(title.to_lowercase(), |title, word| title.replace(word, "")))
+}
+
+remarks! {
+    /// Remarks of waveforms as channels.
+    pub REMARKS;
+
+    /// The unit of the time steps was replaced by that of a flag or the sidecar.
+    CR065 UnitOfSteps { unit: String }
+    bears on (About::Record, Weight::None)
+    decided "--time-unit or the sidecar states another unit of time than the file, which has no channel of times."
+    means "All times are in the unit of the flag. If the file was right, velocity and crush are wrong."
+    remedy "leave --time-unit out, unless the file is known to be wrong"
+    says format!("the steps of the channels are in {unit} by --time-unit; the file has another unit");
 }
 
 #[cfg(test)]

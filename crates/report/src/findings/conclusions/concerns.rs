@@ -64,13 +64,26 @@ const LARGEST_WEIGHT: u8 = 9;
 /// Number, from 1, and subject of the first warning of a stage that what the page shows first may be another thing than
 /// it is taken for. That mass or speed is not stated makes nothing else of what is shown.
 pub fn decisive_warning<'a>(run: &Run, concerns: &'a [Concern]) -> Option<(usize, &'a str)> {
-    let is_absent = |about: &str| match about.parse() {
+    let is_decisive = |c: &Concern| c.weight == LARGEST_WEIGHT && c.stage != "report" && !is_absent(run, &c.about);
+    warnings(concerns).zip(1..).find(|(c, _)| is_decisive(c)).map(|(concern, number)| (number, concern.about.as_str()))
+}
+
+/// Whether a warning is about mass or speed that nobody stated.
+fn is_absent(run: &Run, about: &str) -> bool {
+    match about.parse() {
         Ok(About::Mass) => run.test.mass_kg.is_none(),
         Ok(About::ImpactSpeed) => run.test.impact_speed_m_per_s.is_none(),
         _ => false,
+    }
+}
+
+/// Whether a warning is about what the test is: its pulse, mass, speed, time axis, or a motion that is not theirs. What
+/// sensors differ in, and that two vehicles collided, is no fault of the record.
+pub fn is_of_the_test(run: &Run, concern: &Concern) -> bool {
+    let is_about = |about: &About| {
+        matches!(about, About::Pulse | About::Mass | About::ImpactSpeed | About::Time | About::Motion)
     };
-    let is_decisive = |c: &Concern| c.weight == LARGEST_WEIGHT && c.stage != "report" && !is_absent(&c.about);
-    warnings(concerns).zip(1..).find(|(c, _)| is_decisive(c)).map(|(concern, number)| (number, concern.about.as_str()))
+    concern.stage != "report" && !is_absent(run, &concern.about) && concern.about.parse().is_ok_and(|a| is_about(&a))
 }
 
 /// The concerns of a run, weighed from 1 to `LARGEST_WEIGHT`: the diagnosis of a stage without a result, what the
@@ -90,7 +103,8 @@ pub fn concerns(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<Concern> {
     let mut all: Vec<Concern> = of_stages.chain(own).collect();
     // Of another record nobody asks for the mass of a vehicle.
     let is_asked = |concern: &Concern| {
-        kind != Kind::InputOutput || !concern.about.parse().is_ok_and(|about| is_of_a_crash(&about))
+        let is_of_it = kind != Kind::InputOutput || !concern.about.parse().is_ok_and(|about| is_of_a_crash(&about));
+        is_of_it && !run.allowed.contains(&concern.code)
     };
     all.retain(is_asked);
     // The sort is stable: equals stay in the order of the stages.

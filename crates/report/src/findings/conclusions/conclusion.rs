@@ -17,6 +17,7 @@ use crate::findings::conclusions::several_tests::{missed, several_tests};
 use crate::findings::conclusions::status::{
     Status, StatusReason, answer, beside, closest_identified, has_only_forces, interval_of_crush, status_reason,
 };
+use crate::findings::conclusions::uses::{Soundness, Use, good_for, soundness};
 use crate::findings::text::{DEFLECTION, deflection_of_knot, listed, symbols};
 use crate::findings::text::{as_sentence, candidate_name, model_name};
 use crate::findings::{CandidateResult, Ranking, Run};
@@ -66,6 +67,11 @@ pub struct Conclusion {
     /// Whether the results may be used; `None`: an early version did not say it.
     #[schemars(with = "Status")]
     pub status: Option<Status>,
+    /// Whether the record is sound; `None`: an earlier version did not say it.
+    #[schemars(with = "Soundness")]
+    pub record: Option<Soundness>,
+    /// What the answers are good for.
+    pub good_for: Vec<Use>,
     /// Its one reason, typed.
     #[serde(deserialize_with = "known")]
     #[schemars(with = "StatusReason")]
@@ -94,6 +100,20 @@ pub struct Conclusion {
 }
 
 impl Conclusion {
+    /// The two questions on a run, each with its answer: is the record sound, and what is the answer good for. Nothing
+    /// where an earlier version did not say it.
+    pub fn answers(&self) -> impl Iterator<Item = (&'static str, String)> {
+        let phrases = &PHRASES.conclusion;
+        let of_record = self.record.map(|record| (phrases.record_label, record.word().to_owned()));
+        of_record.map(|of_record| [of_record, (phrases.good_for_label, self.uses())]).into_iter().flatten()
+    }
+
+    /// `measured quantities, crush at the tested speed, other speeds to ±6 %`.
+    pub fn uses(&self) -> String {
+        let uses: Vec<String> = self.good_for.iter().map(Use::in_words).collect();
+        if uses.is_empty() { PHRASES.conclusion.good_for_nothing.to_owned() } else { uses.join(", ") }
+    }
+
     /// How many numbers of the recommended model are determined, rough, open: `3 of 5 determined, 2 open`.
     pub(crate) fn certainty(&self) -> Option<String> {
         let texts = &PHRASES.runs;
@@ -105,6 +125,11 @@ impl Conclusion {
         }
         Some(words)
     }
+}
+
+/// `1 is`, `2 are`.
+fn verb_of(count: usize) -> &'static str {
+    if count == 1 { PHRASES.conclusion.is } else { PHRASES.conclusion.are }
 }
 
 /// The verdict on a run and its concerns.
@@ -127,6 +152,8 @@ pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<Concern>) {
         standing,
         language: "en".into(),
         status: Some(reason.status()),
+        record: Some(soundness(run, &concerns)),
+        good_for: good_for(run, ranking, kind, &concerns),
         status_sentence: reason.status().sentence(&because),
         status_reason: Some(reason),
         because,
@@ -164,16 +191,18 @@ impl<'a> Text<'a> {
         let (percent, mm) = ((1.0, 0, "%"), CRUSH.shown());
         let at = |name: &str| format!("/verdict/status_reason/{name}");
         match reason {
-            Reason::GoodTo { good_to_percent, prediction } | Reason::Beyond { good_to_percent, prediction } => {
+            Reason::GoodTo { good_to_percent, prediction, .. } | Reason::Beyond { good_to_percent, prediction, .. } => {
                 let good_to = self.number(&at("good_to_percent"), *good_to_percent, percent);
                 let scenario = self.scenario(*prediction);
                 let is_beyond = matches!(reason, Reason::Beyond { .. });
                 let template = if is_beyond { phrases.because_beyond } else { phrases.because_good_to };
                 fill(template, &[("good_to", &good_to), ("scenario", &scenario)])
             }
-            Reason::SensorsDiffer { sensors, apart_m, half_width_m } => {
+            Reason::SensorsDiffer { sensors, low_m, high_m, half_width_m, .. } => {
+                let (factor, places, _) = mm;
                 let texts = [
-                    ("apart", self.number(&at("apart_m"), *apart_m, mm)),
+                    ("low", self.number(&at("low_m"), *low_m, (factor, places, ""))),
+                    ("high", self.number(&at("high_m"), *high_m, mm)),
                     ("half_width", self.number(&at("half_width_m"), *half_width_m, mm)),
                     ("count", self.number(&at("sensors"), *sensors as f64, (1.0, 0, ""))),
                 ];
@@ -184,6 +213,7 @@ impl<'a> Text<'a> {
                 let texts = [
                     ("determined", self.number(&at("determined"), *determined as f64, (1.0, 0, ""))),
                     ("parameters", self.number(&at("parameters"), *parameters as f64, (1.0, 0, ""))),
+                    ("are", verb_of(*determined).to_owned()),
                 ];
                 fill(template, &texts)
             }
@@ -231,6 +261,7 @@ impl<'a> Text<'a> {
             Reason::NoneRecommended => phrases.because_none_recommended.to_owned(),
             Reason::NoResult => phrases.because_no_result.to_owned(),
             Reason::NotAdequate => phrases.because_not_adequate.to_owned(),
+            Reason::NoneAdequate => phrases.because_none_adequate.to_owned(),
         }
     }
 
@@ -559,7 +590,8 @@ impl<'a> Text<'a> {
             (name.to_owned(), self.number(&format!("/verdict/{name}"), count as f64, (1.0, 0, "")))
         };
         (known.determined < known.parameters).then(|| {
-            let texts = [count("determined", known.determined), count("parameters", known.parameters)];
+            let are = ("are".to_owned(), verb_of(known.determined).to_owned());
+            let texts = [count("determined", known.determined), count("parameters", known.parameters), are];
             fill(template, &texts.each_ref().map(|(name, text)| (name.as_str(), text)))
         })
     }

@@ -11,3 +11,4 @@ pub mod own_remarks;
 pub mod several_tests;
 pub mod status;
 pub mod summary;
+pub mod uses;

@@ -38,12 +38,14 @@ pub struct OverviewLine {
 pub fn overview(
     run: &Run,
     ranking: &Ranking,
-    Summary { verdict, concerns, key_numbers, .. }: &Summary,
+    summary: &Summary,
     folder: &Path,
 ) -> Vec<OverviewLine> {
+    let Summary { verdict, concerns, key_numbers, .. } = summary;
     let phrases = &PHRASES.conclusion;
     let mut lines: Vec<OverviewLine> = Vec::new();
     let line = |label: &str, text: String| OverviewLine { label: label.to_owned(), text, may_be_cut: false };
+    lines.extend(verdict.answers().map(|(label, text)| line(label, text)));
     // Of an occupant's sensor these are no numbers of the vehicle.
     let of_vehicle = verdict.kind != Kind::Occupant;
     for number in key_numbers.iter().filter(|number| of_vehicle && !number.quantity().console.is_empty()) {
@@ -83,6 +85,12 @@ pub fn overview(
     }
     if !run.contradictions.is_empty() {
         lines.push(line("", format!("{}: {} {}", phrases.explains, program("artifact explain"), folder.display())));
+    }
+    if !summary.allowed.is_empty() {
+        let codes: Vec<&str> = summary.allowed.keys().map(String::as_str).collect();
+        let count = summary.allowed.values().sum::<usize>().to_string();
+        let texts = [("count", count), ("codes", codes.join(", "))];
+        lines.push(line("", fill(phrases.allowed, &texts)));
     }
     if others > 0 {
         let count = match others {

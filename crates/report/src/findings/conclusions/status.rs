@@ -15,7 +15,7 @@ use crate::findings::{CandidateResult, Model, Ranking, Run};
 /// Largest half width of the interval of a predicted crush of which nothing has to be said, percent of the crush.
 const NARROW_PERCENT: f64 = 10.0;
 /// Half width of such an interval above which the prediction answers nothing, percent of the crush.
-const WIDE_PERCENT: f64 = 30.0;
+pub const WIDE_PERCENT: f64 = 30.0;
 
 /// A half width in percent as it is said: rounded, but never to a limit that it is beyond.
 fn said_percent(half_width: f64) -> f64 {
@@ -23,15 +23,15 @@ fn said_percent(half_width: f64) -> f64 {
     if [0.0, NARROW_PERCENT, WIDE_PERCENT].contains(&nearest) { half_width.ceil() } else { nearest }
 }
 
-/// One word on the results of a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+/// One word on the results of a run, the better one less.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
     /// Of an adequate model whose prediction is known to 10 %.
     Usable,
     /// For what the reason says.
     UsableWithCare,
-    /// For nothing.
+    /// The record is wrong, or what was asked for has no answer.
     DoNotUse,
 }
 
@@ -58,20 +58,28 @@ impl Status {
 #[allow(missing_docs, reason = "fields are named after what they are")]
 pub enum StatusReason {
     /// The half width of the interval of the crush that is predicted, in percent as said. `prediction`: place among
-    /// those of the summary, of what was asked for, else of the slowest impact inside the test.
+    /// those of the summary, of what was asked for (`asked`), else of the slowest impact inside the test.
     GoodTo {
         good_to_percent: f64,
         prediction: usize,
+        #[serde(default)]
+        asked: bool,
     },
     /// The same of an impact beyond the test.
     Beyond {
         good_to_percent: f64,
         prediction: usize,
+        #[serde(default)]
+        asked: bool,
     },
     /// Sensors of the compartment are further from the pulse's crush than its interval.
     SensorsDiffer {
         sensors: usize,
         apart_m: f64,
+        #[serde(default)]
+        low_m: f64,
+        #[serde(default)]
+        high_m: f64,
         half_width_m: f64,
     },
     /// The record does not determine all numbers of the recommended model.
@@ -129,8 +137,10 @@ pub enum StatusReason {
         number: usize,
         about: String,
     },
-    /// No model describes the record.
+    /// No identified model describes the record.
     NotAdequate,
+    /// No model of the crash describes it; what was measured holds.
+    NoneAdequate,
     /// The best model has a fit below the limit, percent.
     PoorFit {
         fit_percent: f64,
@@ -143,7 +153,8 @@ impl StatusReason {
     pub fn status(&self) -> Status {
         match self {
             Self::GoodTo { good_to_percent, .. } if *good_to_percent <= NARROW_PERCENT => Status::Usable,
-            Self::GoodTo { good_to_percent, .. } | Self::Beyond { good_to_percent, .. }
+            // What was measured holds; what was asked for is not answered.
+            Self::GoodTo { good_to_percent, asked: true, .. } | Self::Beyond { good_to_percent, asked: true, .. }
                 if *good_to_percent > WIDE_PERCENT =>
             {
                 Status::DoNotUse
@@ -189,7 +200,7 @@ const HALF_PERCENT: f64 = 50.0;
 
 /// Returns the reason when not even the closest identified model has a fit, follows half of the record, or holds on
 /// unseen samples.
-fn of_identified(run: &Run) -> Option<StatusReason> {
+pub fn of_identified(run: &Run) -> Option<StatusReason> {
     if let Some(ambient) = run.ambient() {
         return ambient.clusters.is_empty().then_some(StatusReason::NotAdequate);
     }
@@ -218,15 +229,17 @@ fn of_models(run: &Run, ranking: &Ranking, kind: Kind) -> StatusReason {
             return Reason::OtherAxis { axis: axis.to_string() };
         }
         let is_adequate = run.recommendation.iter().flat_map(|choice| &choice.candidates).any(|rated| rated.adequate);
-        return if is_adequate { Reason::NoneRecommended } else { Reason::NotAdequate };
+        return if is_adequate { Reason::NoneRecommended } else { Reason::NoneAdequate };
     };
     let answer = answer(run, best);
-    let good_to_percent = answer.and_then(|(_, prediction)| Some(said_percent(half_width_percent(prediction)?)));
-    let good_to =
-        answer.zip(good_to_percent).map(|((prediction, record), good_to_percent)| match record.extrapolates {
-            true => Reason::Beyond { good_to_percent, prediction },
-            false => Reason::GoodTo { good_to_percent, prediction },
-        });
+    let good_to_percent = answer.and_then(|(_, prediction)| answer_percent(prediction));
+    let good_to = answer.zip(good_to_percent).map(|((prediction, record), good_to_percent)| {
+        let asked = record.asked;
+        match record.extrapolates {
+            true => Reason::Beyond { good_to_percent, prediction, asked },
+            false => Reason::GoodTo { good_to_percent, prediction, asked },
+        }
+    });
     let is_limit = |reason: &Reason| reason.status() != Status::Usable;
     let asked = good_to.clone().filter(|_| answer.is_some_and(|(_, prediction)| prediction.asked));
     let disagree = run.joint.as_ref().filter(|joint| !joint.missed().is_empty()).map(|_| Reason::TestsDisagree);
@@ -281,7 +294,7 @@ fn uncertain(run: &Run, best: &CandidateResult) -> Option<StatusReason> {
 const OF_THE_MEAN: f64 = 0.15;
 
 /// Whether a model misses the decelerations of the record by little beside their mean, `v0²/2C`.
-fn has_the_forces(run: &Run, best: &CandidateResult) -> bool {
+pub fn has_the_forces(run: &Run, best: &CandidateResult) -> bool {
     let Some(events) = &run.events else { return false };
     let mean = events.impact_speed_m_per_s.zip(events.dynamic_crush_m).map(|(v0, crush)| 0.5 * v0 * v0 / crush);
     let choice = run.recommendation.as_ref().and_then(|choice| choice.evidence.as_ref());
@@ -308,6 +321,8 @@ fn sensors_differ(run: &Run) -> Option<StatusReason> {
     Some(StatusReason::SensorsDiffer {
         sensors: spread.sensors(),
         apart_m: (value - spread.low).max(spread.high - value),
+        low_m: spread.low,
+        high_m: spread.high,
         half_width_m: 0.5 * (high - low),
     })
 }
@@ -326,6 +341,11 @@ pub(crate) fn answer<'a>(run: &'a Run, best: &CandidateResult) -> Option<(usize,
 /// The interval of a predicted crush, with its place among the intervals.
 pub(crate) fn interval_of_crush(prediction: &PredictionV1) -> Option<(usize, &PredictedIntervalV1)> {
     prediction.intervals.iter().enumerate().find(|(_, interval)| interval.name == "dynamic_crush_m")
+}
+
+/// Half of the width of the interval of a predicted crush, percent of it as said.
+pub fn answer_percent(prediction: &PredictionV1) -> Option<f64> {
+    half_width_percent(prediction).map(said_percent)
 }
 
 /// Half of the width of the interval of a predicted crush, percent of it.

@@ -86,6 +86,9 @@ pub struct Summary {
     pub concerns: Vec<Concern>,
     /// What the stages and the report remark, with codes and values, strongest first: `crumple explain CODE`.
     pub remarks: Vec<RemarkV1>,
+    /// How often the run remarks what its pipeline allows, by code: these speak against nothing.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub allowed: BTreeMap<String, usize>,
     /// `stage: text`.
     pub notes: Vec<String>,
     /// How many of the notes are warnings.
@@ -218,7 +221,7 @@ pub struct MatchingSummary {
 /// channel.
 pub fn summary(run: &Run, ranking: &Ranking) -> Summary {
     let (verdict, concerns) = conclusion(run, ranking);
-    let verdict_kind = verdict.kind;
+    let remarks = remarks(run, ranking, verdict.kind, &concerns);
     let channel = run.channel_id();
     let choice = run.recommendation.as_ref();
     let test = &run.test;
@@ -275,7 +278,8 @@ pub fn summary(run: &Run, ranking: &Ranking) -> Summary {
             physical: candidate.record.physical,
         }),
         predictions: run.predictions.clone(),
-        remarks: remarks(run, ranking, verdict_kind, &concerns),
+        allowed: counts_of_allowed(run, &remarks),
+        remarks,
         concerns,
         notes: run.remarks.iter().filter(|remark| !is_no_result(remark)).map(as_text).collect(),
         warnings: Some(run.remarks.iter().filter(|remark| remark.is_warning() && !is_no_result(remark)).count()),
@@ -289,6 +293,15 @@ pub fn summary(run: &Run, ranking: &Ranking) -> Summary {
 fn as_text(remark: &RemarkV1) -> String {
     let warning = if remark.is_warning() { "warning: " } else { "" };
     format!("{}: {warning}{}", remark.stage, remark.text)
+}
+
+/// How often a run remarks what its pipeline allows.
+fn counts_of_allowed(run: &Run, remarks: &[RemarkV1]) -> BTreeMap<String, usize> {
+    let mut counts = BTreeMap::new();
+    for remark in remarks.iter().filter(|remark| run.allowed.contains(&remark.code)) {
+        *counts.entry(remark.code.clone()).or_default() += 1;
+    }
+    counts
 }
 
 /// A simulation without what its artifact has for pictures: the residual with its autocorrelation, and the band.

@@ -1,6 +1,6 @@
 //! What a report is made from, wherever it was read.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::phrases::PHRASES;
 use crate::phrases::words::fill;
@@ -65,6 +65,8 @@ pub struct Run {
     pub clipped: Vec<String>,
     /// What the results contradict each other in.
     pub contradictions: Vec<RemarkV1>,
+    /// Codes of the remarks that the pipeline allows.
+    pub allowed: BTreeSet<String>,
     /// Where the artifacts came from, in stage order.
     pub provenance: Vec<StageRecord>,
     /// Why a stage has a result but not what later ones work on: nothing was to be simulated.

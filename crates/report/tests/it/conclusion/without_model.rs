@@ -6,10 +6,10 @@ use super::*;
 pub fn without_result() -> Run {
     let mut run = car();
     (run.candidates, run.predictions, run.recommendation, run.responses) = (vec![], vec![], None, Some(0));
-    run.concerns = vec![
+    run.remarks = vec![
         concern("ingest", "pulse", 3, "the pulse is positive"),
-        ConcernV1 {
-            severity: SeverityV1::NoResult,
+        RemarkV1 {
+            code: "CR900".to_owned(),
             remedy: Some("check the sign of the pulse".to_owned()),
             ..concern("parameter-solve", "model:", 3, "the vehicle moves further than its speed carries it")
         },
@@ -45,7 +45,7 @@ fn what_was_allowed_to_be_missing_leaves_a_linear_model() {
     run.models = identified();
     run.events = None;
     // A pulse in doubt would be said instead.
-    run.concerns.retain(|concern| concern.about != "pulse");
+    run.remarks.retain(|concern| concern.about != "pulse");
     (run.test.mass_kg, run.test.impact_speed_m_per_s) = (None, None);
     let said = assert_numbers_are_those_of_the_summary(&run, &["n4sid-4"]);
     assert_eq!(said[0], "This report holds no motion of a vehicle.");
@@ -53,9 +53,9 @@ fn what_was_allowed_to_be_missing_leaves_a_linear_model() {
     assert!(said[2].starts_with("Mass and impact speed are missing") && said.len() == 3, "{said:?}");
     assert!(status_of(&run).starts_with("usable with care: neither mass nor impact speed is stated"));
     // That its models fail does not take the pulse away.
-    run.concerns.push(concern("identify", "identified-models", 3, "not to be used beyond their samples"));
+    run.remarks.push(concern("identify", "identified-models", 3, "not to be used beyond their samples"));
     assert!(status_of(&run).starts_with("usable with care: neither mass nor impact speed is stated"));
-    run.concerns.pop();
+    run.remarks.pop();
     // What the pulse gives is said first.
     let of_pulse = MetricV1 { to_s: Some(0.11), ..metric("delta_v", 17.5, "93") };
     run.metrics = vec![of_pulse, metric("peak_acceleration", 245.17, "93")];
@@ -73,7 +73,7 @@ fn what_was_allowed_to_be_missing_leaves_a_linear_model() {
 fn warnings_stand_by_what_they_do_to_what_is_shown() {
     let mut run = car();
     run.candidates.push(candidate("maxwell/direct-fit/1", 90.0));
-    run.concerns = vec![
+    run.remarks = vec![
         concern("ingest", "channel:96", 1, "questionable"),
         concern("parameter-solve", "model:maxwell/direct-fit/1", 2, "maxwell on a bound"),
         concern("parameter-solve", "model:kelvin", 1, "kelvin: nearly rigid"),
@@ -124,7 +124,7 @@ fn the_console_repeats_no_warning_that_the_verdict_says() {
     assert!(said.contains("Not identifiable") && !lines.contains("not identifiable"), "{said} {lines}");
     assert!(lines.contains("of the test, extrapolate"), "{lines}");
     // Where all of it is doubtful nothing of this was said.
-    run.concerns = vec![concern("integrate", "impact-speed", 3, "is the impact speed right?")];
+    run.remarks = vec![concern("integrate", "impact-speed", 3, "is the impact speed right?")];
     let (_, lines) = warnings(&run);
     assert!(lines.contains("is the impact speed right?") && lines.contains("not identifiable"), "{lines}");
 }

@@ -37,6 +37,7 @@ pub(super) fn test() -> TestDescription {
         contact: None,
         exchange_asked: false,
         kind: None,
+        overlap: None,
     }
 }
 

@@ -1,0 +1,141 @@
+//! Two questions on a run: is its record sound, and what are its answers good for?
+
+use crumple_signal::About;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::findings::conclusions::concerns::{Concern, is_of_the_test, warnings};
+use crate::findings::conclusions::kind::Kind;
+use crate::findings::conclusions::status::{WIDE_PERCENT, answer, answer_percent, has_only_forces, has_the_forces, of_identified};
+use crate::findings::{CandidateResult, Ranking, Run};
+use crate::phrases::PHRASES;
+use crate::phrases::words;
+use crate::phrases::words::fill;
+
+/// Whether the record is what it is taken for: the right channel, sign, unit, mass, speed and time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Soundness {
+    /// Nothing speaks against it.
+    Sound,
+    /// A number may be off by more than its interval says.
+    Check,
+    /// It may be another thing than it is taken for.
+    Wrong,
+}
+
+impl Soundness {
+    /// Its word.
+    pub fn word(self) -> &'static str {
+        let phrases = &PHRASES.conclusion;
+        match self {
+            Self::Sound => phrases.sound,
+            Self::Check => phrases.check,
+            Self::Wrong => phrases.wrong,
+        }
+    }
+}
+
+/// Something that a run can be used for.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+#[allow(missing_docs, reason = "fields are named after what they are")]
+pub enum Use {
+    /// Delta-v, peak and what else is read off the pulse.
+    MeasuredQuantities,
+    /// The dynamic crush at the impact speed of the test.
+    CrushAtTheTestedSpeed,
+    /// The crush at other speeds. `to_percent`: half width of its interval where it answers.
+    OtherSpeeds { to_percent: f64 },
+    /// Forces over deflection.
+    Forces,
+    /// The parameters of the recommended model.
+    Parameters,
+    /// Criteria of an occupant.
+    OccupantCriteria,
+    /// Frequencies and damping ratios of an identified model.
+    IdentifiedModes,
+}
+
+impl Use {
+    /// In words: `other speeds to ±6 %`.
+    pub fn in_words(&self) -> String {
+        let phrases = &PHRASES.conclusion;
+        match self {
+            Self::MeasuredQuantities => phrases.use_measured.to_owned(),
+            Self::CrushAtTheTestedSpeed => phrases.use_crush.to_owned(),
+            Self::OtherSpeeds { to_percent } => {
+                fill(phrases.use_other_speeds, &[("percent", words::quantity(*to_percent, 0, "%"))])
+            }
+            Self::Forces => phrases.use_forces.to_owned(),
+            Self::Parameters => phrases.use_parameters.to_owned(),
+            Self::OccupantCriteria => phrases.use_criteria.to_owned(),
+            Self::IdentifiedModes => phrases.use_modes.to_owned(),
+        }
+    }
+}
+
+/// Weights of concerns of the record, which the first screen shows: three times those of remarks.
+const MARKED: u8 = 6;
+const DECISIVE: u8 = 9;
+
+/// Whether the record is sound: the gravest warning about what the test is.
+pub fn soundness(run: &Run, concerns: &[Concern]) -> Soundness {
+    let about_the_test = warnings(concerns).filter(|concern| is_of_the_test(run, concern));
+    match about_the_test.map(|concern| concern.weight).max() {
+        Some(DECISIVE..) => Soundness::Wrong,
+        Some(MARKED..) => Soundness::Check,
+        _ => Soundness::Sound,
+    }
+}
+
+/// What the answers of a run are good for, in the order in which they depend on each other. Empty: for nothing.
+pub fn good_for(run: &Run, ranking: &Ranking, kind: Kind, concerns: &[Concern]) -> Vec<Use> {
+    let in_doubt = |what: &[About]| {
+        let is_of = |concern: &&Concern| concern.about.parse().is_ok_and(|about| what.contains(&about));
+        let decisive = warnings(concerns).filter(|c| c.weight >= DECISIVE && is_of_the_test(run, c));
+        decisive.into_iter().any(|concern| is_of(&concern))
+    };
+    match kind {
+        Kind::Occupant => return vec![Use::OccupantCriteria],
+        Kind::InputOutput => return of_identified(run).is_none().then_some(Use::IdentifiedModes).into_iter().collect(),
+        _ => {}
+    }
+    let is_measured = run.channel().is_some() && !in_doubt(&[About::Pulse, About::Time]);
+    if kind != Kind::SeveralTests && !is_measured {
+        return Vec::new();
+    }
+    let mut uses = Vec::new();
+    if kind != Kind::SeveralTests {
+        uses.push(Use::MeasuredQuantities);
+    }
+    let is_known_speed = !in_doubt(&[About::ImpactSpeed, About::Motion]);
+    let has_crush = run.events.as_ref().is_some_and(|events| events.dynamic_crush_m.is_some());
+    if kind == Kind::Barrier && has_crush && is_known_speed && run.other_axis().is_none() {
+        uses.push(Use::CrushAtTheTestedSpeed);
+    }
+    let best = ranking.best.as_deref().and_then(|id| run.candidate(id));
+    if let Some(best) = best.filter(|_| is_known_speed && kind != Kind::TwoVehicles && !in_doubt(&[About::Mass])) {
+        uses.extend(of_model(run, best));
+    }
+    uses
+}
+
+/// What a recommended model is good for.
+fn of_model(run: &Run, best: &CandidateResult) -> Vec<Use> {
+    let mut uses = Vec::new();
+    let percent = answer(run, best).and_then(|(_, prediction)| answer_percent(prediction));
+    let is_adequate = run.rated(&best.id).is_none_or(|rated| rated.adequate);
+    if let Some(to_percent) = percent.filter(|percent| *percent <= WIDE_PERCENT) {
+        uses.push(Use::OtherSpeeds { to_percent });
+    }
+    let known = best.certainties();
+    let is_determined = known.determined == known.parameters && best.record.uncertainty.is_some();
+    if is_adequate && has_only_forces(best) && (is_determined || has_the_forces(run, best)) {
+        uses.push(Use::Forces);
+    }
+    if is_adequate && !has_only_forces(best) && is_determined && best.record.equivalent_to.is_none() {
+        uses.push(Use::Parameters);
+    }
+    uses
+}
