@@ -71,7 +71,8 @@ pub fn settle(
     };
     let found = found.map(|contact| match begins {
         Some(Beginning::Inside(cut)) => {
-            notes.concern(About::Time, Weight::Marked, cut_text(cut));
+            // Its zero level is unknown for the same reason: that comes after it.
+            notes.concern(About::Pulse, Weight::Marked, cut_text(cut));
             Contact { earlier_by_s: cut_lead_s(cut), ..contact }
         }
         _ => contact,
