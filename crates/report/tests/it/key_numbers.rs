@@ -229,6 +229,10 @@ fn a_recorder_has_the_interval_of_its_resolution_and_no_peak() {
     let (page, summary) = pages(&run);
     let shown: Vec<String> = assert_same(&page, &summary).into_iter().map(|(_, text)| text).collect();
     assert_eq!(shown, ["−41.0 km/h", "100 ms", "41.0 km/h", "505 mm"]);
+    run.metrics.push(metric("dv", "principal_direction_of_force", Some(21.8), "deg", None));
+    run.metrics.push(metric("dv", "total_delta_v_lateral", Some(5.0), "m/s", None));
+    let (sided, _) = pages(&run);
+    assert!(sided.contains("<dd>from the left</dd>") && !page.contains("from the left"));
     assert!(page.contains("What the recorder kept") && !page.contains("id=\"model\""));
     assert!(!page.contains("id=\"curves\""), "its derivative is no pulse");
 }

@@ -55,6 +55,9 @@ const AT_LEAST: &str = "\u{2265}\u{a0}";
 /// Before the lower bound of a loss that is written as a negative number.
 const AT_MOST: &str = "\u{2264}\u{a0}";
 
+/// Less to one side than this is straight ahead, degrees: half of what is shown.
+const STRAIGHT_DEG: f64 = 0.5;
+
 /// Range of a number over several sensors that measured the same.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Spread {
@@ -97,6 +100,15 @@ impl KeyNumber {
         }
     }
 
+    /// The same in words.
+    pub fn bound(&self) -> &'static str {
+        match self.sign() {
+            AT_LEAST => PHRASES.conclusion.at_least,
+            AT_MOST => PHRASES.conclusion.at_most,
+            _ => "",
+        }
+    }
+
     /// How it is called and shown.
     pub fn quantity(&self) -> &'static KeyQuantity {
         KeyQuantity::of(&self.name).unwrap_or(&UNKNOWN)
@@ -112,6 +124,17 @@ impl KeyNumber {
     pub fn range(&self, low: f64, high: f64) -> String {
         let (factor, decimals, _) = self.quantity().shown();
         words::between(&words::decimals(factor * low, decimals), &self.shown(high))
+    }
+
+    /// The side from which the force of a direction came, by the part of the change of velocity along y, to the right
+    /// positive.
+    pub fn side(&self, run: &Run) -> Option<&'static str> {
+        let is_direction = self.name == DIRECTION_OF_FORCE.key;
+        let degrees = self.value.filter(|_| is_direction)?;
+        let lateral = run.metric("total_delta_v_lateral").and_then(|metric| metric.value)?;
+        let texts = &PHRASES.numbers;
+        let side = if lateral > 0.0 { texts.from_the_left } else { texts.from_the_right };
+        (STRAIGHT_DEG..=180.0 - STRAIGHT_DEG).contains(&degrees).then_some(side)
     }
 
     /// Whether the interval misses a value that another sensor at the same place gives.
@@ -164,8 +187,9 @@ fn of_vehicle(run: &Run, events: &EventsV1) -> Vec<KeyNumber> {
     };
     let at =
         |at_s: Option<f64>, number: KeyNumber| KeyNumber { at_s: at_s.filter(|_| number.value.is_some()), ..number };
+    let is_cut = |name: &str| if name == DELTA_V.key { run.is_change_cut() } else { run.is_rebound_cut() };
     let of_rebound =
-        |number: KeyNumber| KeyNumber { is_lower_bound: number.value.is_some() && run.is_rebound_cut(), ..number };
+        |number: KeyNumber| KeyNumber { is_lower_bound: number.value.is_some() && is_cut(&number.name), ..number };
     let crush = at(events.time_of_dynamic_crush_s, number(&CRUSH, ("dynamic_crush_m", "m"), events.dynamic_crush_m));
     let time = number(&TIME_OF_CRUSH, ("time_of_dynamic_crush_s", "s"), events.time_of_dynamic_crush_s);
     let change = number(&DELTA_V, ("delta_v_m_per_s", "m/s"), events.delta_v_m_per_s);
@@ -209,6 +233,11 @@ fn of_occupant(run: &Run) -> Vec<KeyNumber> {
 /// Whether a sensor of a metric may be clipped. A criterion grows with the magnitude, and what is clipped is too small.
 fn may_be_clipped(run: &Run, metric: &MetricV1) -> bool {
     metric.channels().into_iter().any(|channel| run.clipped.iter().any(|clipped| clipped == channel))
+}
+
+/// Before a change of velocity, of which a record that ends too early shows a part.
+pub(crate) fn bound_of_change(run: &Run) -> &'static str {
+    if run.is_change_cut() { PHRASES.conclusion.at_least } else { "" }
 }
 
 /// Before a criterion that is a lower bound.
