@@ -197,7 +197,21 @@ fn of_vehicle(run: &Run, events: &EventsV1) -> Vec<KeyNumber> {
     let restitution =
         of_rebound(number(&RESTITUTION, ("coefficient_of_restitution", "1"), events.coefficient_of_restitution));
     let olc = run.metric(OLC.key).map(|metric| of_metric(run, &OLC, metric));
-    [Some(crush), Some(time), Some(change), peak(run), olc, Some(restitution)].into_iter().flatten().collect()
+    let own = [Some(crush), Some(time), Some(change), peak(run), olc, Some(restitution)];
+    own.into_iter().flatten().chain(in_the_plane(run)).collect()
+}
+
+/// Total and direction of the change of velocity, of a record along two axes.
+const IN_THE_PLANE: [KeyQuantity; 2] = [TOTAL_DELTA_V, DIRECTION_OF_FORCE];
+
+fn in_the_plane(run: &Run) -> impl Iterator<Item = KeyNumber> {
+    IN_THE_PLANE.iter().filter_map(|quantity| with_value(run, quantity))
+}
+
+/// A metric that has a value.
+fn with_value(run: &Run, quantity: &KeyQuantity) -> Option<KeyNumber> {
+    let metric = run.metric(quantity.key).filter(|metric| metric.value.is_some())?;
+    Some(of_metric(run, quantity, metric))
 }
 
 fn why_no_event(run: &Run, name: &str) -> String {
@@ -207,11 +221,9 @@ fn why_no_event(run: &Run, name: &str) -> String {
 
 /// What a pulse without a crush has: change of velocity, peak, OLC, stroke.
 fn of_pulse(run: &Run) -> Vec<KeyNumber> {
-    let metric = |quantity: &KeyQuantity| {
-        let metric = run.metric(quantity.key).filter(|metric| metric.value.is_some())?;
-        Some(of_metric(run, quantity, metric))
-    };
-    [metric(&DELTA_V), peak(run), metric(&OLC), metric(&STROKE)].into_iter().flatten().collect()
+    let metric = |quantity: &KeyQuantity| with_value(run, quantity);
+    let own = [metric(&DELTA_V), peak(run), metric(&OLC), metric(&STROKE)];
+    own.into_iter().flatten().chain(in_the_plane(run)).collect()
 }
 
 /// Criteria of the occupant whose sensor the pulse channel is.
@@ -257,11 +269,11 @@ fn of_recorder(run: &Run) -> Vec<KeyNumber> {
         RECORDED_EES,
         RECORDED_CRUSH,
     ];
-    let number = |quantity: &KeyQuantity| {
-        let metric = run.metric(quantity.key).filter(|metric| metric.value.is_some())?;
-        Some(of_metric(run, quantity, metric))
-    };
-    let mut numbers: Vec<KeyNumber> = kept.iter().filter_map(number).collect();
+    let mut numbers: Vec<KeyNumber> = kept.iter().filter_map(|quantity| with_value(run, quantity)).collect();
+    // Accelerometers along two axes have these as well.
+    if numbers.iter().all(|number| IN_THE_PLANE.contains(number.quantity())) {
+        return Vec::new();
+    }
     // Earlier artifacts have the crush among the events alone.
     if let Some(events) = run.events.as_ref().filter(|_| matches!(&numbers[..], [_, _])) {
         numbers.extend(of_vehicle(run, events).into_iter().find(|number| number.value.is_some()));
