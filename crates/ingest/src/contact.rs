@@ -71,6 +71,7 @@ pub fn settle(
     };
     let found = found.map(|contact| match begins {
         Some(Beginning::Inside(cut)) => {
+            // Its zero level is unknown for the same reason: that comes after it.
             let missing_s = cut_lead_s(cut);
             notes.push(CutBeginning { level_m_per_s2: cut.first_m_per_s2.abs(), missing_s });
             Contact { earlier_by_s: missing_s, ..contact }
@@ -314,7 +315,7 @@ remarks! {
 
     /// The record begins inside the pulse.
     CR133 CutBeginning { level_m_per_s2: f64, missing_s: f64 }
-    bears on (About::Time, Weight::Marked)
+    bears on (About::Pulse, Weight::Marked)
     decided "The first sample is more than 1.5 g away from rest; sound records reach 1.1 g. The missing time follows \
              from the rise of the first samples and is 30 ms at most."
     means "The loss of speed before the first sample is missing: crush and delta-v are lower bounds."

@@ -14,6 +14,7 @@ use crumple_signal::{
 use crate::error::Question;
 use crate::recording::content::{self, Fitness, MINIMUM_SAMPLES, PulseRule, ReadChannel, Recording};
 use crate::recording::details::Stated;
+use crate::recording::scale::of_sensor;
 use crate::recording::settings::{BodyPlace, select};
 use crate::{IngestError, Result, Sign, refuse_channel};
 
@@ -89,7 +90,9 @@ fn is_candidate(read: &ReadChannel) -> bool {
 }
 
 /// What to do with the voltage of a sensor.
-const EXPORT_IN_G: &str = "export the acceleration in g: the volts divided by the sensitivity of the sensor, in V/g";
+fn of_voltage(id: &str) -> String {
+    format!("{}, or export the acceleration in g", of_sensor(id))
+}
 const ANOTHER_RECORD: &str =
     "export an acceleration of the same test; inputs and outputs that are no crash need none: --allow-missing";
 
@@ -108,11 +111,13 @@ fn best_candidate(file: &str, recording: &Recording, candidates: &[usize]) -> Re
             }
             let found = format!("no acceleration column with data, but {}", content::list(&measured));
             let are_voltages = with_data().all(|channel| channel.quantity == QuantityKind::Voltage);
-            let (expected, hint) = match are_voltages {
-                true => ("an acceleration, or volts with their sensitivity: --scale ch2=50mV/g", EXPORT_IN_G),
-                false => ("one", ANOTHER_RECORD),
-            };
-            refuse_channel(file, found, expected, hint)
+            match with_data().next().filter(|_| are_voltages) {
+                Some(first) => {
+                    let expected = "an acceleration, or volts with their sensitivity";
+                    refuse_channel(file, found, expected, of_voltage(&first.id))
+                }
+                None => refuse_channel(file, found, "one", ANOTHER_RECORD),
+            }
         }
         ([], PulseRule::Fittest) => {
             let unread: Vec<&str> = recording.channels.iter().filter_map(|read| read.unread.as_deref()).collect();
@@ -198,7 +203,7 @@ fn requested_channel(file: &str, recording: &Recording, wanted: &str, candidates
     let ReadChannel { channel, wave, unread, .. } = &recording.channels[index];
     let id = &channel.id;
     let hint = || match candidates {
-        [] if channel.quantity == QuantityKind::Voltage => EXPORT_IN_G.to_owned(),
+        [] if channel.quantity == QuantityKind::Voltage => of_voltage(id),
         [] if wave.is_some() => ANOTHER_RECORD.to_owned(),
         [] => "choose a channel with data by --channel".to_owned(),
         _ => format!("candidates here: {}", names(candidates)),

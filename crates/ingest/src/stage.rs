@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use crate::checks::{channel_quality, exchanges};
 use crate::recording::{content, details, preamble, scale, settings};
-use crate::time::{samples, unit};
+use crate::time::{SAMPLE_REMARKS, UNIT_REMARKS};
 use crate::{
     Bundle, IngestError, IngestSettings, Ingested, ListedChannel, RecordDigests, Refusal, contact, formats, impact,
     ingest, kind, list, pulse, wall,
@@ -61,8 +61,8 @@ impl Stage for Ingest {
         preamble::REMARKS,
         scale::REMARKS,
         settings::REMARKS,
-        samples::REMARKS,
-        unit::REMARKS,
+        SAMPLE_REMARKS,
+        UNIT_REMARKS,
         wall::REMARKS,
         pulse::REMARKS,
         contact::REMARKS,

@@ -99,7 +99,7 @@ pub fn pulse_metrics(pulse: &Pulse<'_>) -> Result<Vec<Metric>, MetricsError> {
         None => recovered,
     };
     let delta_v = match (v0 == 0.0).then(|| largest_change(pulse)).flatten() {
-        Some(change) => delta_v_from_rest(change),
+        Some(change) => delta_v_from_rest(change, is_change_cut(pulse, change.1)),
         None => lower(metric(&DELTA_V, pulse.events.delta_v_m_per_s(v0))),
     };
     let delta_v = delta_v_of_unstopped(delta_v, pulse);
@@ -156,10 +156,17 @@ fn delta_v_of_unstopped(delta_v: Metric, pulse: &Pulse<'_>) -> Metric {
 }
 
 /// Delta-v of a motion from rest: its largest velocity and when that is, with its direction as a remark.
-fn delta_v_from_rest((change_m_per_s, time_s): (f64, f64)) -> Metric {
+fn delta_v_from_rest((change_m_per_s, time_s): (f64, f64), is_cut: bool) -> Metric {
     let way = if change_m_per_s < 0.0 { "rearward" } else { "forward" };
     let remark = format!("{way}, the largest change from time zero");
-    Metric::with_value(&DELTA_V, change_m_per_s.abs()).over(0.0, time_s).remarked(&remark)
+    let delta_v = Metric::with_value(&DELTA_V, change_m_per_s.abs()).over(0.0, time_s).remarked(&remark);
+    if is_cut { delta_v.as_lower_bound("lower bound: it still changes at the end of the record") } else { delta_v }
+}
+
+/// Whether the first event is not over where the record ends, and its largest velocity is that of the last sample.
+fn is_change_cut(pulse: &Pulse<'_>, time_s: f64) -> bool {
+    let impacts = &pulse.events.impacts;
+    first_event(impacts).is_some_and(|k| !impacts[k].is_whole) && time_s >= pulse.velocity.end_s()
 }
 
 /// The largest velocity of a motion from rest from contact to the end of its [first event](first_event), signed, m/s,

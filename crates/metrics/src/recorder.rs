@@ -113,7 +113,7 @@ impl RecordedImpact<'_> {
 
     /// The total of both axes and its direction; each of a table in steps is half of its step off, a difference of two
     /// rows the whole.
-    fn in_the_plane(&self, across: &Sampled) -> [Metric; 2] {
+    fn in_the_plane(&self, across: &Sampled) -> [Metric; 3] {
         let half = |wave: &Sampled, other: &Sampled| {
             let step = printed_step_m_per_s(wave.samples()).or_else(|| printed_step_m_per_s(other.samples()))?;
             Some(if row_at_contact(wave).1 == 0.0 { 0.5 * step } else { step })

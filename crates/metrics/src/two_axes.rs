@@ -2,7 +2,7 @@
 
 use crumple_signal::Sampled;
 
-use crate::metric::definitions::{DIRECTION_OF_FORCE, TOTAL_DELTA_V};
+use crate::metric::definitions::{DIRECTION_OF_FORCE, LATERAL_OF_TOTAL, TOTAL_DELTA_V};
 use crate::{Interval, IntervalBy, Metric};
 
 /// Last moment that counts, s from contact (49 CFR 563.5).
@@ -20,7 +20,7 @@ pub(crate) fn row_at_contact(change: &Sampled) -> (usize, f64) {
     (first, start)
 }
 
-/// The largest change of velocity in the plane, m/s, and the angle at which its force came, degrees.
+/// The largest change of velocity in the plane, m/s, its part along y, and the angle at which its force came, degrees.
 ///
 /// `along` is a change of velocity along x (a frontal impact is negative), `across` one along y (to the right is
 /// positive, SAE J211), both m/s. The total is the largest `sqrt(x² + y²)` at a sample of `along` from contact to
@@ -33,7 +33,7 @@ pub fn total_and_direction(
     across: &Sampled,
     until_s: f64,
     half_steps: Option<[f64; 2]>,
-) -> [Metric; 2] {
+) -> [Metric; 3] {
     let (first_x, x0) = row_at_contact(along);
     let (_, y0) = row_at_contact(across);
     let last_s = until_s.min(LAST_S) + 1e-6 * along.dt_s();
@@ -44,7 +44,8 @@ pub fn total_and_direction(
     let largest = pairs.reduce(|a, b| if b.1.hypot(b.2) > a.1.hypot(a.2) { b } else { a });
     let Some((time_s, x, y)) = largest.filter(|(_, x, y)| x.hypot(*y) > 0.0) else {
         let why = "no change of velocity along both axes from time zero on";
-        return [&TOTAL_DELTA_V, &DIRECTION_OF_FORCE].map(|definition| Metric::absent(definition, why));
+        return [&TOTAL_DELTA_V, &LATERAL_OF_TOTAL, &DIRECTION_OF_FORCE]
+            .map(|definition| Metric::absent(definition, why));
     };
     let angle = |x: f64, y: f64| y.abs().atan2(-x).to_degrees();
     let corners = half_steps.map(|[of_x, of_y]| {
@@ -72,9 +73,12 @@ pub fn total_and_direction(
         hour => hour,
     };
     let total = Metric::with_value(&TOTAL_DELTA_V, x.hypot(y)).over(time_s, time_s);
+    let lateral = Metric::with_value(&LATERAL_OF_TOTAL, y).over(time_s, time_s);
+    let of_lateral = half_steps.map(|[_, of_y]| Interval { low: y - of_y, high: y + of_y, by: IntervalBy::Resolution });
     let direction = Metric::with_value(&DIRECTION_OF_FORCE, degrees).over(time_s, time_s);
     [
         Metric { interval: of_total, ..total },
+        Metric { interval: of_lateral, ..lateral },
         Metric { interval: of_angle, ..direction.remarked(&format!("{side}{hour} o'clock")) },
     ]
 }
@@ -88,13 +92,14 @@ mod tests {
         Sampled::new(0.0, 0.01, (0..20).map(at).collect()).unwrap()
     }
 
-    fn of(x: f64, y: f64) -> [Metric; 2] {
+    fn of(x: f64, y: f64) -> [Metric; 3] {
         total_and_direction(&ramp(x), &ramp(y), f64::INFINITY, Some([0.5 / 3.6; 2]))
     }
 
     #[test]
     fn total_side_and_hour() {
-        let [total, direction] = of(-45.0, 18.0);
+        let [total, lateral, direction] = of(-45.0, 18.0);
+        assert!((3.6 * lateral.value.unwrap() - 18.0).abs() < 1e-9);
         assert!((3.6 * total.value.unwrap() - 2349.0_f64.sqrt()).abs() < 1e-9);
         assert!((direction.value.unwrap() - 0.4_f64.atan().to_degrees()).abs() < 1e-9);
         assert!(direction.definition.ends_with("from the left, 11 o'clock"), "{}", direction.definition);
@@ -115,11 +120,12 @@ mod tests {
             (30.0, 0.0, 180.0, ": 6 o'clock"),
             (-20.0, -20.0, 45.0, "from the right, 2 o'clock"),
         ] {
-            let [_, direction] = of(x, y);
+            let [_, lateral, direction] = of(x, y);
             assert!((direction.value.unwrap() - degrees).abs() < 1e-9, "{x} {y}");
             let hour = words.trim_start_matches(": ");
             assert!(direction.definition.ends_with(hour), "{x} {y}: {}", direction.definition);
-            assert_eq!(direction.definition.contains("from the "), words.contains("from"), "{x} {y}");
+            assert_eq!(direction.definition.contains(" the left,"), lateral.value > Some(0.0), "{x} {y}");
+            assert_eq!(direction.definition.contains(" the right,"), lateral.value < Some(0.0), "{x} {y}");
         }
     }
 

@@ -39,7 +39,7 @@ impl FromStr for FailOn {
             return refuse_unknown_code(&code).map(|()| Self::Code(code)).map_err(|error| format!("{error:#}"));
         }
         let words = WORDS.map(|(word, _)| word);
-        let near = nearest(text, &words).map_or_else(String::new, |near| format!("; the nearest word is {near}"));
+        let near = nearest(text, words).map_or_else(String::new, |near| format!("; the nearest word is {near}"));
         Err(format!("expected a code such as CR203, or {}{near}", words.join(", ")))
     }
 }

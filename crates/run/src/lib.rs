@@ -86,8 +86,9 @@ pub const STUDY: Program = Program::of_tool::<fleet::StudyOptions>("study", |cal
 pub const EXPORT: Program =
     Program::of_tool::<export::program::ExportOptions>("export", |call| run_tool(call, export::program::export));
 /// `crumple-damage`: speed from damage.
-pub const DAMAGE: Program =
-    Program::of_tool::<damage::program::DamageOptions>("damage", |call| run_tool(call, damage::program::damage));
+pub const DAMAGE: Program = Program::of_tool::<damage::program::DamageOptions>("damage", |call| {
+    run_tool(call, |options| damage::program::damage(options, &call.words))
+});
 /// `crumple-passport`: what a run was made from and what it made, for others to run again.
 pub const PASSPORT: Program = Program::of_tool::<passport::program::PassportOptions>("passport", |call| {
     run_tool(call, passport::program::passport)

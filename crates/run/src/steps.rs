@@ -201,12 +201,12 @@ pub(crate) fn contradicts(stage: &Stage, new: &Path, folder: &Path, asked: &crum
         say(format_args!("  written by: {}", stage.program.typed));
     }
     for contradiction in &found {
-        say(format_args!("error: {}: {} [{}]", stage.output(), contradiction.text, contradiction.code));
+        say(format_args!("error: {}: {} [{}]", stage.output(), contradiction.text, contradiction.kind.code));
         say(format_args!("  written by: {}", stage.program.typed));
         say(format_args!(
             "  hint: {}; {} explains it",
-            contradiction.remedy,
-            program(&format!("artifact explain {}", contradiction.code))
+            contradiction.kind.explanation[3],
+            program(&format!("artifact explain {}", contradiction.kind.code))
         ));
     }
     !found.is_empty() || mixture.is_some()

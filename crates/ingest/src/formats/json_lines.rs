@@ -13,7 +13,7 @@ use crate::formats::table::numbers::Rows;
 use crate::formats::table::{FLAGS_OF_ROWS, channels_of, header, recording};
 use crate::recording::content::{LineNumbers, Recording, list};
 use crate::recording::details::Details;
-use crate::time::stamps::stamp;
+use crate::time::stamp;
 use crate::{IngestSettings, Place, Result, refuse};
 
 pub const JSON_LINES: Reader = Reader::of_one_file("json-lines", recognises, FLAGS_OF_ROWS, read);

@@ -11,7 +11,7 @@ use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::conversion;
 use crate::recording::content::Recording;
 use crate::recording::details::{Details, Stated};
-use crate::time::stamps::{Instant, time_of_day};
+use crate::time::{Instant, time_of_day};
 use crate::{GAPS_ARE_NOT_FILLED, IngestSettings, Result, refuse, time};
 
 /// Difference of clocks that counts as the same, s.

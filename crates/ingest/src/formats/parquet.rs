@@ -20,7 +20,7 @@ use crate::formats::table::numbers::Rows;
 use crate::formats::table::{FLAGS_OF_ROWS, channels_of, header, recording};
 use crate::recording::content::{LineNumbers, MINIMUM_SAMPLES, Recording, list};
 use crate::recording::details::Details;
-use crate::time::stamps::Instant;
+use crate::time::Instant;
 use crate::{IngestError, IngestSettings, Result, refuse, refuse_size};
 
 pub const PARQUET: Reader = Reader::of_one_file("parquet", |head| head.starts_with(b"PAR1"), FLAGS_OF_ROWS, read);

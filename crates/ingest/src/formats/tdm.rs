@@ -13,8 +13,7 @@ use crate::formats::waveform::channel::Waveform;
 use crate::formats::waveform::conversion;
 use crate::recording::content::Recording;
 use crate::recording::details::{Details, Stated};
-use crate::time::stamps::Instant;
-use crate::time::stamps::instant;
+use crate::time::{Instant, instant};
 use crate::{IngestError, IngestSettings, Result, check_size, refuse, refuse_size};
 
 /// Largest header, bytes.

@@ -17,7 +17,7 @@ use crate::formats::waveform::channel::clean;
 use crate::recording::content::{LineNumbers, MINIMUM_SAMPLES, ReadChannel, Recording, list};
 use crate::recording::details::Details;
 use crate::recording::preamble;
-use crate::time::stamps::stamp;
+use crate::time::stamp;
 use crate::{IngestError, IngestSettings, Place, Result, refuse_size};
 
 /// Workbooks.

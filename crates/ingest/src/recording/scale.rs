@@ -17,6 +17,11 @@ const COUNTS: [&str; 7] = ["", "count", "counts", "lsb", "bit", "digit", "digits
 const FORM: &str = "CHANNEL=SENSITIVITY, such as ch2=50mV/g, ax=16384/g, ch1=2.5V/kN or a=0.5g/V; the reading at zero \
     behind @: ch2=50mV/g@2.5V; several by commas";
 
+/// What to add where a channel may be the reading of a sensor.
+pub fn of_sensor(id: &str) -> String {
+    format!("add --scale \"{id}=50mV/g\" with the sensitivity of its sensor (counts: {id}=16384/g)")
+}
+
 /// The scales of some channels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scales {

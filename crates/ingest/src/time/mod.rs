@@ -1,18 +1,18 @@
 //! Time of samples: units, stamps of clocks, grids, resampling, time zero.
 
-pub mod grid;
-pub mod resampling;
-pub mod samples;
-pub mod stamps;
-pub mod unit;
+mod grid;
+mod resampling;
+mod samples;
+mod stamps;
+mod unit;
 
 use crumple_signal::{Sampled, SignalError};
 
 pub use grid::{Grid, GridError, STEP_TOLERANCE, fit, median_step};
 pub use resampling::{LinearInterpolation, OnGrid, on_grid};
-pub use samples::{CALENDAR_S, Kind, LabelUnit, Timed, Times};
-pub use stamps::{Instant, over_midnight};
-pub use unit::stated_unit;
+pub use samples::{REMARKS as SAMPLE_REMARKS, CALENDAR_S, Kind, LabelUnit, Timed, Times};
+pub use stamps::{Instant, instant, over_midnight, stamp, time_of_day};
+pub use unit::{REMARKS as UNIT_REMARKS, stated_unit};
 
 /// The same samples with the file's time `zero_s` as t = 0.
 pub fn shift(wave: &Sampled, zero_s: f64) -> Result<Sampled, SignalError> {

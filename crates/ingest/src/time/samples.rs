@@ -3,8 +3,9 @@
 use crumple_signal::{About, Notes, Weight, remarks};
 
 use crate::recording::details::Stated;
-use crate::time::grid::{Grid, median_step};
-use crate::time::resampling::{LinearInterpolation, OnGrid, on_grid};
+use crate::recording::settings;
+use crate::time::grid::median_step;
+use crate::time::resampling::{OnGrid, on_grid};
 use crate::time::stamps::resolution_of_stamps;
 use crate::time::unit::{contradicts, stated_unit, unit_error, unit_from_steps};
 use crate::{IngestSettings, Place, Result, refuse};
@@ -59,11 +60,7 @@ pub struct Times<'a> {
 /// Times on a uniform grid.
 #[derive(Debug)]
 pub struct Timed {
-    pub grid: Grid,
-    /// How samples are brought to it; `None` where they lie on it.
-    pub interpolation: Option<LinearInterpolation>,
-    /// To which rate they are brought, and how uneven they were.
-    pub words: String,
+    pub on_grid: OnGrid,
     /// Where the grid counts from, s, where the times are those of a calendar.
     pub origin_s: Option<f64>,
     /// The grid counts from the first time, which is one of a clock.
@@ -92,6 +89,9 @@ impl Times<'_> {
             self.kind = Kind::Clock;
             notes.push(PackedClock { column: self.whose.to_owned() });
         }
+        if self.kind == Kind::Clock && settings.time_unit.is_some() {
+            settings::warn("--time-unit", &format!("the times of {} are those of a clock", self.whose), notes);
+        }
         let unit_s = if self.kind == Kind::Clock { 1.0 } else { self.unit_s(settings, notes)? };
         let mut resolution_s = self.resolution(unit_s);
         let origin_s = match self.kind {
@@ -104,8 +104,8 @@ impl Times<'_> {
         if let Some(k) = self.values.iter().position(|t| !t.is_finite()) {
             return refuse(place(k), "a time that is not finite", "finite times", "export it again");
         }
-        let OnGrid { grid, interpolation, words, .. } = on_grid(&self.values, resolution_s, settings, place)?;
-        Ok(Timed { grid, interpolation, words, origin_s, is_of_a_clock: self.kind == Kind::Clock })
+        let on_grid = on_grid(&self.values, resolution_s, settings, place)?;
+        Ok(Timed { on_grid, origin_s, is_of_a_clock: self.kind == Kind::Clock })
     }
 
     /// Resolution of the numbers, s.

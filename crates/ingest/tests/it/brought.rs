@@ -33,7 +33,7 @@ fn hdf5_and_matlab_7_3() {
 }
 
 /// Written by pandas 3.1.1 with pyarrow 26.0.1 (snappy, single precision, a column with nulls, one of texts) and by
-/// polars 2.1.0 (zstd, stamps in nanoseconds).
+/// polars 2.1.0 (zstd, stamps in nanoseconds); two by pyarrow 26.0.1 alone.
 #[test]
 fn parquet_is_a_table() {
     let of_pandas = sound("pulse.parquet", "--time-zero-rule file").unwrap();
@@ -41,6 +41,9 @@ fn parquet_is_a_table() {
     assert!(notes(&of_pandas).contains("not read: label (texts)"), "{}", notes(&of_pandas));
     // Stamps count from the first one.
     check(&sound("stamps.parquet", "--time-zero 0.06s").unwrap(), "accel_g");
+    for name in ["gzip.parquet", "lz4.parquet"] {
+        check(&sound(name, "--time-zero-rule file").unwrap(), "accel");
+    }
 }
 
 #[test]
@@ -57,7 +60,7 @@ fn a_cut_file_is_refused() {
 /// A flipped byte gives a record or a refusal with advice.
 #[test]
 fn a_damaged_file_has_an_answer() {
-    for name in ["packed.h5", "v73.mat", "pulse.parquet", "stamps.parquet"] {
+    for name in ["packed.h5", "v73.mat", "pulse.parquet", "stamps.parquet", "gzip.parquet", "lz4.parquet"] {
         let sound = std::fs::read(crumple_testkit::workspace().join("fuzz/corpus/record").join(name)).unwrap();
         for k in 0..200 {
             let mut bytes = sound.clone();
@@ -117,6 +120,13 @@ fn volts_and_counts_have_a_stated_sensitivity() {
     let read = read_as("a.csv", counts, &given("--scale ax=16384/g --time-zero 0s")).unwrap();
     assert!((read.pulse().unwrap().samples.samples()[150] - G * ramp(150) / 10.0).abs() < 1e-3);
     assert!(read_as("a.csv", volts, &given("--scale ch2=50/g --time-zero 0s")).is_err(), "counts of volts");
+    // A refusal names the flag with the name of the column, also where the unit is that of a voltage or none.
+    for (name, advised) in [("ch2 [mV]", "ch2"), ("ch 2 (V)", "ch_2"), ("Acc ch2", "Acc_ch2")] {
+        let file = table(&format!("time_s,{name}\n"), &[&|k| 2.5 + 0.05 * ramp(k)]);
+        let hint = read_as("a.csv", file.clone(), &given("--time-zero 0s")).unwrap_err().hint().to_owned();
+        assert!(hint.contains(&format!("--scale \"{advised}=50mV/g\"")), "{name}: {hint}");
+        assert!(read_as("a.csv", file, &given(&format!("--scale {advised}=50mV/g --time-zero 0s"))).is_ok(), "{name}");
+    }
 }
 
 #[test]

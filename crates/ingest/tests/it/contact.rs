@@ -139,6 +139,10 @@ fn a_record_that_begins_inside_the_pulse_has_a_lower_bound_and_says_what_is_miss
     assert!(notes(&ingested).contains("begins inside the pulse, at 3.9 g"), "{}", notes(&ingested));
     let found = contact(&ingested);
     assert!((0.005..0.009).contains(&found.earlier_by_s), "{found:?}");
+    // Times that count from the first sample: the zero level, unknown for the same reason, comes after it.
+    let said = notes(&Table { from_s: 0.0, contact_s: -0.013, beside: CALM }.read("").unwrap());
+    let place = |text: &str| said.find(text).unwrap_or_else(|| panic!("{text}: {said}"));
+    assert!(place("begins inside the pulse, at 9.8 g") < place("zero level and noise"), "{said}");
 }
 
 #[test]

@@ -81,8 +81,10 @@ pub fn barrier(
         out.notes().push(CellsOnAnotherGrid { count: ids.len(), cells: some(&ids) });
     }
     let as_read = as_read(input, &waves(input, listed.iter()))?;
+    let way = WayIn::of(&sum, pulse.motion);
     let mut metrics = momentum(&sum, as_read, test.mass_kg, pulse, out);
-    metrics.extend(height_of_force(&settings.wall_heights, test, &sum, &summed, pulse.motion)?);
+    metrics.extend(stiffness(&sum, &way).iter().map(|metric| metric_record(&[BARRIER], metric)));
+    metrics.extend(height_of_force(&settings.wall_heights, test, &sum, &summed, &way)?);
     out.wave("barrier/force", QuantityKind::Force, sum.force.into_sampled())?;
     Ok(metrics)
 }
@@ -178,9 +180,8 @@ fn momentum(
         Metric::of(&BARRIER_DELTA_V_AS_READ, as_read, over_mass_reason).over(0.0, whole_end_s),
         ratio_metric.over(0.0, end_s),
     ]
-    .into_iter()
-    .chain(stiffness(sum, motion))
-    .map(|metric| metric_record(&[BARRIER], &metric))
+    .iter()
+    .map(|metric| metric_record(&[BARRIER], metric))
     .collect()
 }
 
@@ -212,8 +213,7 @@ impl WayIn {
 }
 
 /// KW400 and initial stiffness: the force over the displacement of the sensor, from time zero on.
-fn stiffness(sum: &CellSum, motion: &Motion) -> [Metric; 2] {
-    let way = WayIn::of(sum, motion);
+fn stiffness(sum: &CellSum, way: &WayIn) -> [Metric; 2] {
     let stiffness = wall_stiffness(&way.displacement_m, way.of_force(sum.force.samples()));
     [
         Metric::of(&KW400, stiffness.map(|s| s.kw400_n_per_m), TOO_SHORT).over(0.0, way.end_s),
@@ -227,7 +227,7 @@ fn height_of_force(
     test: &TestDescription,
     sum: &CellSum,
     summed: &[(&str, &Sampled)],
-    motion: &Motion,
+    way: &WayIn,
 ) -> anyhow::Result<Option<MetricV1>> {
     if heights.is_empty() {
         return Ok(None);
@@ -258,7 +258,6 @@ fn height_of_force(
         let arm_m = if sum.turned { -height_m } else { *height_m };
         moment_n_m.iter_mut().zip(cell.samples()).for_each(|(moment, force)| *moment += arm_m * force);
     }
-    let way = WayIn::of(sum, motion);
     let value =
         average_height_of_force(&way.displacement_m, way.of_force(sum.force.samples()), way.of_force(&moment_n_m));
     let metric = if unknown.is_empty() {
@@ -360,7 +359,7 @@ impl Criteria<'_> {
 }
 
 /// Total and direction of the change of velocity of a pulse along x, where an accelerometer at its place measures along
-/// y as well.
+/// y as well. They need no impact speed.
 pub fn in_the_plane(
     input: &Inputs,
     test: &TestDescription,

@@ -13,6 +13,7 @@ use crate::{Uncertainty, stroke_interval};
 
 use crate::stage::channels::{ChannelAgreement, integrate_others};
 use crate::stage::collision::{of_one_vehicle, other_vehicle, vehicles};
+use crate::stage::criteria;
 use crate::stage::integration::{ChannelIntegration, Integrated, acceleration};
 use crate::stage::occupants_and_roadside::Criteria;
 use crate::stage::options::{StageSettings, uncertainty_note};
@@ -104,6 +105,9 @@ pub fn without_impact(
         metrics.extend(other_vehicle(&task, &vehicles, pulse, (speed, velocity), out)?);
     }
     metrics.extend(others.spread(out));
+    let against =
+        criteria::Pulse { id: &pulse.id, motion: &integrated.motion, separation_s: delta_v.map(|(_, end_s)| end_s) };
+    metrics.extend(criteria::in_the_plane(input, &own_test, pulse, &against)?);
     let criteria = Criteria { settings, input, test, pulse, impact_speed_m_per_s: None };
     metrics.extend(criteria.records(out)?);
 

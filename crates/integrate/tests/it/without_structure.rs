@@ -23,7 +23,7 @@ const CHANGE: f64 = 2.0 * 200.0 * 0.1 / std::f64::consts::PI;
 
 fn filtered(folder: &Path, waves: &[(&str, Sampled)], kind: Option<TestKind>, speed: Option<f64>) -> PathBuf {
     let channel = |id: &str| Channel {
-        axis: Some(Axis::X),
+        axis: Some(if id == "y" { Axis::Y } else { Axis::X }),
         cfc: Some(60),
         location: "vehicle, rear floor".to_owned(),
         ..Channel::new(id, QuantityKind::Acceleration)
@@ -59,6 +59,29 @@ fn last(artifact: &Artifact, wave: &str) -> f64 {
 
 fn notes(artifact: &Artifact) -> String {
     artifact.record::<NotesV1>("/notes").unwrap().unwrap().notes.join("\n")
+}
+
+#[test]
+fn the_total_of_two_axes_needs_no_impact_speed() {
+    let folder = tempfile::tempdir().unwrap();
+    let waves = [("p", half_sine(-200.0, 0.0)), ("y", half_sine(-80.0, 0.0))];
+    let artifact = result(&filtered(folder.path(), &waves, None, None), &[]);
+    let value = |name: &str| find(&artifact, "p+y", name).value.unwrap();
+    assert!((value("total_delta_v") / (CHANGE * 1.16_f64.sqrt()) - 1.0).abs() < 1e-4);
+    assert!((value("total_delta_v_lateral") / (-0.4 * CHANGE) - 1.0).abs() < 1e-4);
+    let direction = find(&artifact, "p+y", "principal_direction_of_force");
+    assert!((direction.value.unwrap() - 0.4_f64.atan().to_degrees()).abs() < 1e-3);
+    assert!(direction.definition.ends_with("from the right, 1 o'clock"), "{}", direction.definition);
+}
+
+#[test]
+fn a_change_that_the_record_cuts_is_a_lower_bound() {
+    let folder = tempfile::tempdir().unwrap();
+    for (samples, is_cut) in [(800, true), (2500, false)] {
+        let wave = half_sine(-200.0, 0.0).slice(0, samples);
+        let delta_v = find(&result(&filtered(folder.path(), &[("p", wave)], None, None), &["--force"]), "p", "delta_v");
+        assert_eq!(delta_v.is_lower_bound, is_cut, "{delta_v:?}");
+    }
 }
 
 #[test]

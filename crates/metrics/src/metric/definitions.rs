@@ -112,9 +112,12 @@ catalogue! {
     TOTAL_DELTA_V = "delta-v-total" "total_delta_v" "m/s" FromMemory
         "largest sqrt(x^2 + y^2) of the changes of velocity along x and y at one time, from time zero to separation, \
          300 ms at most and as a recorder keeps them" "49 CFR 563.5";
+    LATERAL_OF_TOTAL = "delta-v-total-lateral" "total_delta_v_lateral" "m/s" Checked
+        "change of velocity along y at total_delta_v, positive to the right (SAE J211): the force came from the left"
+        "definition";
     DIRECTION_OF_FORCE = "principal-direction-of-force" "principal_direction_of_force" "deg" Checked
         "angle at which the force came, from straight ahead (180: from behind), by the changes of velocity along x and \
-         y at total_delta_v" "SAE J224";
+         y at total_delta_v; its side by the sign of total_delta_v_lateral, negative from the right" "SAE J224";
     RECORDED_EES = "edr-ees" "recorded_ees" "m/s" Checked
         "sqrt(v0^2 - v^2), v what is left along x and gained along y at maximum_delta_v; without v0 the middle of what \
          restitutions from 0 to the largest believed make of the change" "definition";

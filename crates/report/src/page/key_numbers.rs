@@ -110,8 +110,10 @@ fn remark(run: &Run, number: &KeyNumber) -> Option<String> {
         Some(format!("t<sub>c</sub>/t<sub>m</sub> = {}", words::decimals(ratio, 3)))
     } else if is(&[OLC]) {
         Some(texts.olc.to_owned())
+    } else if is(&[HIC15, HIC36]) {
+        Some(texts.hic.to_owned())
     } else {
-        is(&[HIC15, HIC36]).then(|| texts.hic.to_owned())
+        number.side(run).map(str::to_owned)
     }
 }
 

@@ -89,8 +89,10 @@ texts! { ConclusionTexts
     rebounded: "; the vehicle rebounded at {speed}";
     rebounded_at_least: "; the vehicle rebounded at {speed} or more";
     no_rebound: "; the vehicle did not rebound";
+    at_least: "at least ";
+    at_most: "at most ";
     no_stop:
-        "The vehicle did not stop within the record: it lost {change} in {time}.";
+        "The vehicle did not stop within the record: it lost {bound}{change} in {time}.";
     no_stop_in_impact:
         "The vehicle did not stop in this impact: it lost {change} in {time}, and another impact followed.";
     no_stop_no_end:
@@ -135,7 +137,7 @@ texts! { ConclusionTexts
     mode:
         "; its slowest mode is at {frequency}{damping}";
     changed:
-        "The record gives a delta-v of {change}{time}{peak}{olc}{stroke}.";
+        "The record gives a delta-v of {bound}{change}{time}{peak}{olc}{stroke}.";
     and_peak: ", a peak of {peak}";
     and_olc: ", an OLC of {olc}";
     and_stroke: ", a stroke of {stroke}";

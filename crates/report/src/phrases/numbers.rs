@@ -14,6 +14,8 @@ texts! { NumberTexts
     at: "at {time}";
     does_not_reach_zero: "; the velocity does not reach zero";
     rebound: "rebound {speed}";
+    from_the_left: "from the left";
+    from_the_right: "from the right";
     olc: "occupant load";
     hic: "head injury criterion";
     inputs_caption:

@@ -42,13 +42,14 @@ fn expected(number: &Value) -> String {
         "s" => (1000.0, " ms"),
         "m/s" => (3.6, " km/h"),
         "m/s^2" => (1.0 / 9.80665, " g"),
+        "deg" => (1.0, " °"),
         "1" => (1.0, ""),
         other => panic!("{other} of {name}"),
     };
     let digits = match name {
         "dynamic_crush" => 0,
         "coefficient_of_restitution" => 2,
-        "hic15" | "hic36" | "time_of_maximum_delta_v" | "recorded_crush" => 0,
+        "hic15" | "hic36" | "time_of_maximum_delta_v" | "recorded_crush" | "principal_direction_of_force" => 0,
         _ => 1,
     };
     format!("{:.digits$}{unit}", factor * value).replace('-', "−")
@@ -202,6 +203,25 @@ fn an_occupants_sensor_has_its_criteria() {
 }
 
 #[test]
+fn two_axes_of_a_vehicle_add_total_and_side_to_its_numbers() {
+    let mut run = pulse(true);
+    run.events = Some(events(Some(0.5)));
+    let alone = assert_same_numbers(&run);
+    run.metrics.push(metric("93+94", "total_delta_v", Some(18.0), "m/s", None));
+    run.metrics.push(metric("93+94", "principal_direction_of_force", Some(21.8), "deg", None));
+    run.metrics.push(metric("93+94", "total_delta_v_lateral", Some(-5.0), "m/s", None));
+    let both = assert_same_numbers(&run);
+    assert_eq!(both, [&alone[..], &["64.8 km/h".to_owned(), "22 °".to_owned()]].concat());
+    assert!(pages(&run).0.contains("<dd>from the right</dd>"));
+}
+
+/// The values of all cards, which are those of the summary.
+fn assert_same_numbers(run: &Run) -> Vec<String> {
+    let (page, summary) = pages(run);
+    assert_same(&page, &summary).into_iter().map(|(_, text)| text).collect()
+}
+
+#[test]
 fn a_recorder_has_the_interval_of_its_resolution_and_no_peak() {
     let mut run = pulse(true);
     let of_recorder = |name: &str, value: f64, unit: &str, half: f64| MetricV1 {
@@ -229,6 +249,10 @@ fn a_recorder_has_the_interval_of_its_resolution_and_no_peak() {
     let (page, summary) = pages(&run);
     let shown: Vec<String> = assert_same(&page, &summary).into_iter().map(|(_, text)| text).collect();
     assert_eq!(shown, ["−41.0 km/h", "100 ms", "41.0 km/h", "505 mm"]);
+    run.metrics.push(metric("dv", "principal_direction_of_force", Some(21.8), "deg", None));
+    run.metrics.push(metric("dv", "total_delta_v_lateral", Some(5.0), "m/s", None));
+    let (sided, _) = pages(&run);
+    assert!(sided.contains("<dd>from the left</dd>") && !page.contains("from the left"));
     assert!(page.contains("What the recorder kept") && !page.contains("id=\"model\""));
     assert!(!page.contains("id=\"curves\""), "its derivative is no pulse");
 }

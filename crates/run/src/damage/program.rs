@@ -1,5 +1,6 @@
 //! `crumple damage`: stiffness of a front from barrier tests, and speed from damage.
 
+use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -133,20 +134,18 @@ struct Side<'a> {
     name: &'static str,
     stiffness: TypedStiffness<'a>,
     profile: Option<&'a [f64]>,
-    width_m: Option<f64>,
-    mass_kg: Option<f64>,
     angle_rad: f64,
     lever_and_yaw_radius_m: Option<(f64, f64)>,
 }
 
-/// Speed from damage.
-pub(crate) fn damage(options: DamageOptions) -> anyhow::Result<ExitStatus> {
+/// Speed from damage; `words`: those typed behind the name of the program.
+pub(crate) fn damage(options: DamageOptions, words: &[OsString]) -> anyhow::Result<ExitStatus> {
     let runs = [&options.from[..], &options.other.from].concat();
     keep_budget(&runs, ExitStatus::Refused);
     if let Some(output) = &options.output {
         refuse_to_overwrite(output, OutputKind::Summary, &runs)?;
     }
-    let result = options.result()?;
+    let result = options.result(words)?;
     let json = serde_json::to_string_pretty(&result)? + "\n";
     if let Some(output) = &options.output {
         write(output, &json)?;
@@ -162,8 +161,8 @@ fn write(output: &Path, json: &str) -> anyhow::Result<()> {
 }
 
 impl DamageOptions {
-    fn side(&self) -> Side<'_> {
-        let is_one = !self.other().is_stated();
+    fn side<'a>(&'a self, completed: &'a str) -> Side<'a> {
+        let is_one = !self.other(completed).is_stated();
         Side {
             name: if is_one { "vehicle" } else { "first vehicle" },
             stiffness: TypedStiffness {
@@ -172,18 +171,18 @@ impl DamageOptions {
                 line: self.line,
                 coefficients: self.stiffness,
                 no_damage_speed_m_per_s: self.no_damage_speed,
-                mass_per_width_kg_per_m: self.mass.zip(self.width).map(|(mass, width)| mass / width),
+                mass_kg: self.mass,
+                width_m: self.width,
                 flag: "--",
+                completed,
             },
             profile: self.profile.as_ref().map(|profile| &profile.0[..]),
-            width_m: self.width,
-            mass_kg: self.mass,
             angle_rad: self.angle,
             lever_and_yaw_radius_m: self.lever.zip(self.yaw_radius),
         }
     }
 
-    fn other(&self) -> Side<'_> {
+    fn other<'a>(&'a self, completed: &'a str) -> Side<'a> {
         let other = &self.other;
         Side {
             name: "other vehicle",
@@ -193,15 +192,28 @@ impl DamageOptions {
                 line: other.line,
                 coefficients: other.stiffness,
                 no_damage_speed_m_per_s: self.no_damage_speed,
-                mass_per_width_kg_per_m: other.mass.zip(other.width).map(|(mass, width)| mass / width),
+                mass_kg: other.mass,
+                width_m: other.width,
                 flag: "--other-",
+                completed,
             },
             profile: other.profile.as_ref().map(|profile| &profile.0[..]),
-            width_m: other.width,
-            mass_kg: other.mass,
             angle_rad: other.angle.unwrap_or(0.0),
             lever_and_yaw_radius_m: other.lever.zip(other.yaw_radius),
         }
+    }
+
+    /// The line that was typed with all that its vehicles lack, to be typed in its place.
+    fn completed(&self, words: &[OsString]) -> String {
+        let (first, other) = (self.side(""), self.other(""));
+        let mut missing = first.stiffness.missing();
+        if other.is_stated() {
+            if first.profile.is_none() {
+                missing.push("--profile 10,25,38,40,31,12cm".to_owned());
+            }
+            missing.extend(other.stiffness.missing());
+        }
+        typed::line_with(words, &missing)
     }
 
     /// b0 is of tests; typed coefficients have their own.
@@ -216,8 +228,9 @@ impl DamageOptions {
         Ok(())
     }
 
-    fn result(&self) -> anyhow::Result<DamageResult> {
-        let (first, other) = (self.side(), self.other());
+    fn result(&self, words: &[OsString]) -> anyhow::Result<DamageResult> {
+        let completed = self.completed(words);
+        let (first, other) = (self.side(&completed), self.other(&completed));
         let has_other = other.is_stated();
         self.refuse_unused_b0()?;
         let front = first.stiffness.stiffness()?;
@@ -274,7 +287,8 @@ impl DamageOptions {
 impl Side<'_> {
     /// Whether anything was typed about it.
     fn is_stated(&self) -> bool {
-        let values = [self.width_m, self.mass_kg, self.lever_and_yaw_radius_m.map(|(lever, _)| lever)];
+        let values =
+            [self.stiffness.width_m, self.stiffness.mass_kg, self.lever_and_yaw_radius_m.map(|(lever, _)| lever)];
         self.stiffness.is_stated() || self.profile.is_some() || values.iter().any(Option::is_some)
     }
 
@@ -285,14 +299,13 @@ impl Side<'_> {
     /// Its damage and speed; without a profile the even crush at which it bears a force.
     fn damage(&self, front: &FrontStiffness, force_n: Option<f64>) -> anyhow::Result<(VehicleDamage, DamageSpeed)> {
         let (name, flag) = (self.name, self.stiffness.flag);
-        let missing = |what: &str, example: &str| {
-            Usage::new(format!("the {what} of the {name} is missing")).hint(format!("{flag}{what} {example}"))
-        };
-        let mass_kg = self.mass_kg.ok_or_else(|| missing("mass", "1400kg"))?;
-        let width_m = self.width_m.ok_or_else(|| missing("width", "150cm"))?;
+        let missing =
+            |what: &str| Usage::new(format!("the {what} of the {name} is missing")).hint(self.stiffness.completed);
+        let mass_kg = self.stiffness.mass_kg.ok_or_else(|| missing("mass"))?;
+        let width_m = self.stiffness.width_m.ok_or_else(|| missing("width"))?;
         let even = match (self.profile, force_n) {
             (Some(_), _) => None,
-            (None, None) => return Err(missing("profile", "10,25,38,40,31,12cm").into()),
+            (None, None) => return Err(missing("profile").into()),
             (None, Some(force)) => {
                 let normal = force * self.angle_rad.cos();
                 let crush = crush_by_force(&front.coefficients, width_m, normal).ok_or_else(|| {

@@ -7,6 +7,7 @@ use crumple_artifact::records::{DamageV1, MetricsV2, TestV1};
 use crumple_metrics::{
     BarrierTest, CrushStiffness, DamageProfile, ImpactLine, ImpactLineError, NO_DAMAGE_SPEED_M_PER_S,
 };
+use crumple_signal::key_quantities::KM_PER_H_PER_M_PER_S;
 use crumple_stage::{Refused, Usage, program, refuse_a_mixture, results_of_an_earlier_run};
 use serde::Serialize;
 
@@ -65,10 +66,14 @@ pub(super) struct TypedStiffness<'a> {
     pub(super) line: Option<Line>,
     pub(super) coefficients: Option<Coefficients>,
     pub(super) no_damage_speed_m_per_s: Option<f64>,
-    /// Mass over width of the vehicle, kg/m.
-    pub(super) mass_per_width_kg_per_m: Option<f64>,
+    /// Mass of the vehicle, kg.
+    pub(super) mass_kg: Option<f64>,
+    /// Width of its damage, m.
+    pub(super) width_m: Option<f64>,
     /// What its flags begin with: `--` or `--other-`.
     pub(super) flag: &'static str,
+    /// The line that was typed with all that it lacks.
+    pub(super) completed: &'a str,
 }
 
 impl TypedStiffness<'_> {
@@ -81,12 +86,18 @@ impl TypedStiffness<'_> {
     pub(super) fn stiffness(&self) -> anyhow::Result<FrontStiffness> {
         let flag = self.flag;
         let is_of_tests = !self.runs.is_empty() || !self.tests.is_empty();
-        let ways = [is_of_tests, self.line.is_some(), self.coefficients.is_some()];
-        if ways.iter().filter(|is_stated| **is_stated).count() != 1 {
-            let problem = if self.is_stated() { "stated in two ways" } else { "missing" };
+        let ways = [(is_of_tests, "tests"), (self.line.is_some(), "line"), (self.coefficients.is_some(), "stiffness")];
+        let ways: Vec<&str> = ways.into_iter().filter(|(is_stated, _)| *is_stated).map(|(_, way)| way).collect();
+        if ways.is_empty() {
             let choices = format!("{flag}from RUN, {flag}test, {flag}line or {flag}stiffness");
-            let hint = format!("{flag}stiffness 55kN/m,400kN/m^2 states A and B");
-            return Err(Usage::new(format!("the stiffness is {problem}: it comes by {choices}")).hint(hint).into());
+            let problem = format!("the stiffness is missing: it comes by {choices}");
+            return Err(Usage::new(problem).hint(self.completed).into());
+        }
+        if let [first, more @ ..] = &ways[..]
+            && !more.is_empty()
+        {
+            let problem = format!("the stiffness is stated in two ways: by {}", ways.join(" and by "));
+            return Err(Usage::new(problem).hint(format!("keep that by {first}, and leave the other out")).into());
         }
         if let Some(line) = self.line {
             return self.by_line(line);
@@ -101,11 +112,15 @@ impl TypedStiffness<'_> {
     }
 
     fn mass_per_width(&self, why: &str) -> Result<f64, Usage> {
-        let missing = || {
-            Usage::new(format!("{why} need a mass and a width"))
-                .hint(format!("{}mass 1400kg {}width 150cm", self.flag, self.flag))
-        };
-        self.mass_per_width_kg_per_m.ok_or_else(missing)
+        let missing = || Usage::new(format!("{why} need a mass and a width")).hint(self.completed);
+        self.mass_kg.zip(self.width_m).map(|(mass, width)| mass / width).ok_or_else(missing)
+    }
+
+    /// The flags that it lacks.
+    pub(super) fn missing(&self) -> Vec<String> {
+        let [mass, width] = [self.mass_kg, self.width_m].map(|value| value.is_some());
+        let known = [(self.is_stated(), "stiffness 55kN/m,400kN/m^2"), (mass, "mass 1400kg"), (width, "width 150cm")];
+        known.iter().filter(|(is_known, _)| !is_known).map(|(_, flag)| format!("{}{flag}", self.flag)).collect()
     }
 
     fn by_line(&self, Line { b0_m_per_s, b1_per_s, mass_and_width }: Line) -> anyhow::Result<FrontStiffness> {
@@ -149,7 +164,7 @@ impl TypedStiffness<'_> {
             Some(line) => line,
             None => {
                 let all: Vec<BarrierTest> = tests.iter().map(|named| named.test).collect();
-                ImpactLine::fit(&all, b0).map_err(|error| no_line(&error, &tests, self.flag))?
+                ImpactLine::fit(&all, b0).map_err(|error| no_line(&error, &tests, self))?
             }
         };
         front(Some(line), StiffnessSource::Tests, whose, tests)
@@ -171,7 +186,8 @@ fn front(
     Ok(FrontStiffness { line, coefficients, source, no_damage_speed, tests })
 }
 
-fn no_line(error: &ImpactLineError, tests: &[NamedTest], flag: &str) -> Refused {
+fn no_line(error: &ImpactLineError, tests: &[NamedTest], typed: &TypedStiffness<'_>) -> Refused {
+    let flag = typed.flag;
     let of = tests.iter().map(|named| named.name.as_str()).collect::<Vec<_>>().join(", ");
     let hint = match error {
         ImpactLineError::NotPositive { .. } => format!("give its values by {flag}test {TEST}"),
@@ -180,7 +196,7 @@ fn no_line(error: &ImpactLineError, tests: &[NamedTest], flag: &str) -> Refused 
             "look whether all tests are of this front, over its whole width".to_owned()
         }
         ImpactLineError::SameCrush | ImpactLineError::NegativeSpeed { .. } => {
-            "state the speed without damage: --no-damage-speed 8km/h".to_owned()
+            format!("state the speed without damage: {} --no-damage-speed 8km/h", typed.completed)
         }
     };
     Refused::new(format!("{of}: {error}")).expected("tests of one front at different speeds").hint(hint)
@@ -236,14 +252,31 @@ impl RunTest {
         Ok(Self { name, test, damage, a_and_b })
     }
 
+    /// The test as it is typed, with values of the example for what is not known.
+    fn as_typed(&self) -> String {
+        let damage = self.damage.as_ref();
+        let crush_m = damage.and_then(|damage| Some(DamageProfile::new(&damage.crush_m())?.mean_m()));
+        let width_m = damage.and_then(|damage| Some(damage.width()?.0));
+        let own = [
+            self.test.mass_kg.map(|kg| format!("{kg:.0}kg")),
+            self.test.impact_speed_m_per_s.map(|v| format!("{:.1}km/h", KM_PER_H_PER_M_PER_S * v)),
+            crush_m.map(|m| format!("{:.0}mm", 1e3 * m)),
+            width_m.map(|m| format!("{:.0}mm", 1e3 * m)),
+        ];
+        let values =
+            own.into_iter().zip(TEST.split(',')).map(|(own, example)| own.unwrap_or_else(|| example.to_owned()));
+        values.collect::<Vec<_>>().join(",")
+    }
+
     /// The test, or what it lacks.
     fn barrier_test(&self) -> Result<NamedTest, Refused> {
         let refused = |problem: &str| {
             Refused::new(format!("{}: {problem}", self.name))
                 .expected("mass, impact speed, residual crush and width of a frontal barrier test")
                 .hint(format!(
-                    "in place of --from {} type the test, with what its file lacks: --test {TEST}",
-                    self.name
+                    "in place of --from {} type the test, with what its file lacks: --test {}",
+                    self.name,
+                    self.as_typed()
                 ))
         };
         let (Some(mass_kg), Some(speed)) = (self.test.mass_kg, self.test.impact_speed_m_per_s) else {

@@ -1,8 +1,11 @@
 //! Values that a person types: a profile, a test, a line, coefficients, each with units.
 
+use std::ffi::OsString;
+
 use crumple_metrics::BarrierTest;
 use crumple_signal::QuantityKind;
 use crumple_signal::unit::{Dimension, parse_value};
+use crumple_stage::program;
 
 const LENGTH: Dimension = Dimension::Signal(QuantityKind::Displacement);
 const SPEED: Dimension = Dimension::Signal(QuantityKind::Velocity);
@@ -12,6 +15,17 @@ const STIFFNESS_A_WIDTH: Dimension = Dimension::Signal(QuantityKind::Pressure);
 
 /// Most stations of a profile.
 const MOST_STATIONS: usize = 12;
+
+/// The line that was typed with `added` flags, to be typed in its place.
+pub(super) fn line_with(words: &[OsString], added: &[String]) -> String {
+    let is_plain = |c: char| c.is_alphanumeric() || "-_./,=:+^@%".contains(c);
+    let word = |word: &OsString| {
+        let word = word.to_string_lossy();
+        if !word.is_empty() && word.chars().all(is_plain) { word.into_owned() } else { format!("\"{word}\"") }
+    };
+    let line = std::iter::once(program("damage")).chain(words.iter().map(word)).chain(added.iter().cloned());
+    line.collect::<Vec<_>>().join(" ")
+}
 
 /// Residual crush at stations of equal spacing, m.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,7 +76,7 @@ pub(super) fn length(text: &str) -> Result<f64, String> {
 /// A length that a vehicle may have. An example in m would be followed as it stands.
 fn of_a_vehicle(text: &str, length: Result<f64, String>) -> Result<f64, String> {
     let length = length.map_err(|problem| match text.trim().parse::<f64>() {
-        Ok(_) => format!("{text:?} has no unit: write it with one, such as 150cm"),
+        Ok(_) => format!("{text:?} has no unit: write {text}cm, {text}mm or {text}m"),
         Err(_) => problem,
     })?;
     if length <= LONGEST_M { Ok(length) } else { Err(format!("{text:?} is {length} m, longer than any vehicle")) }
@@ -81,7 +95,7 @@ pub(super) fn speed(text: &str) -> Result<f64, String> {
 /// The angle of the principal force, rad, at most 45°.
 pub(super) fn angle(text: &str) -> Result<f64, String> {
     if text.trim().parse::<f64>().is_ok() {
-        return Err(format!("{text:?} has no unit: write an angle with one, such as 15deg"));
+        return Err(format!("{text:?} has no unit: write {text}deg"));
     }
     let angle = value(text, ANGLE)?;
     // 45 deg as a product of roundings.
@@ -110,6 +124,9 @@ pub(super) fn profile(text: &str) -> Result<Profile, String> {
     let last = parts.last().copied().unwrap_or_default();
     // No unit of length has a digit.
     let unit = last.rsplit(|c: char| c.is_ascii_digit() || c == '.').next().unwrap_or_default();
+    if unit.is_empty() && parts.iter().all(|part| part.parse::<f64>().is_ok()) {
+        return Err(format!("{text:?} has no unit: write {text}cm or {text}mm"));
+    }
     let with_unit = |part: &&str| match part.bytes().all(|byte| byte.is_ascii_digit() || b".,+-".contains(&byte)) {
         true => of_a_vehicle(part, not_negative(&format!("{part}{unit}"), LENGTH)),
         false => of_a_vehicle(part, not_negative(part, LENGTH)),
@@ -155,7 +172,10 @@ pub(super) fn coefficients(text: &str) -> Result<Coefficients, String> {
     let parts = parts_of(text);
     let [a, b] = parts[..] else { return Err(format!("{text:?} is not A and B, e.g. 55kN/m,400kN/m^2")) };
     let a_n_per_m = not_negative(a, Dimension::Stiffness)?;
-    let no_b = |_| format!("{b:?} is no B above zero with its unit, e.g. 400kN/m^2 or 60lb/in^2");
+    let no_b = |_| match b.parse::<f64>() {
+        Ok(_) => format!("{b:?} has no unit: write {a},{b}kN/m^2 or {a},{b}lb/in^2"),
+        Err(_) => format!("{b:?} is no B above zero with its unit, e.g. 400kN/m^2 or 60lb/in^2"),
+    };
     Ok(Coefficients { a_n_per_m, b_n_per_m2: positive(b.trim(), STIFFNESS_A_WIDTH).map_err(no_b)? })
 }
 

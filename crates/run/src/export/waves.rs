@@ -102,6 +102,12 @@ fn rate(sampled: &Sampled) -> String {
     if rate < 1e3 { format!("{rate}Hz") } else { format!("{}kHz", rate / 1e3) }
 }
 
+/// When a waveform begins, as the name of a table has it: `20ms`, `minus-50ms`.
+fn begin(from_ns: i64) -> String {
+    let sign = if from_ns < 0 { "minus-" } else { "" };
+    format!("{sign}{}ms", 1e-6 * from_ns.unsigned_abs() as f64)
+}
+
 /// Rows by which Polars and others tell the type of a column.
 const ROWS_OF_A_TYPE: f64 = 100.0;
 
@@ -131,8 +137,7 @@ pub(crate) fn wave_tables(waves: &[RunWave<'_>], decimate: Option<usize>) -> Vec
             late.entry(if own_ns - begin_ns < room_ns { begin_ns } else { own_ns }).or_default().push(wave);
         }
         let named = |(from_ns, waves)| {
-            let from = if from_ns == begin_ns { String::new() } else { format!("-from-{}ms", 1e-6 * from_ns as f64) };
-            (format!("{name}{from}"), waves)
+            (if from_ns == begin_ns { name.clone() } else { format!("{name}-from-{}", begin(from_ns)) }, waves)
         };
         groups.extend(late.into_iter().map(named));
     }
@@ -225,6 +230,9 @@ mod tests {
         let tables = wave_tables(&[wave("a", &early), wave("b", &late)], None);
         assert_eq!(tables.iter().map(|table| &*table.name).collect::<Vec<_>>(), ["waves", "waves-from-0ms"]);
         assert_eq!(tables[1].rows[0], [Cell::Number(0.0), Cell::Number(5.0)]);
+        let earlier = Sampled::new(-0.2, 1e-4, vec![1.0; 3000]).unwrap();
+        let tables = wave_tables(&[wave("a", &earlier), wave("b", &early)], None);
+        assert_eq!(&*tables[1].name, "waves-from-minus-50ms");
     }
 
     #[test]

@@ -182,6 +182,9 @@ fn runs_of_barrier_tests_give_the_stiffness() {
     let both = json(at, &["--from", "a", "b"]);
     close(&both["vehicle"]["stiffness"]["b1_per_s"], 25.0, 1e-12);
     assert_eq!(both["vehicle"]["stiffness"]["tests"][1]["name"], "b");
+    // What its file lacks is that of the example.
+    let told = text(&damage(at, &["--from", "bare"]).stderr);
+    assert!(told.contains("--test 1500kg,52.2km/h,48cm,150cm"), "{told}");
     let with_typed = json(at, &["--from", "a", "--test", "1500kg,14.5m/s,50cm,1.5m"]);
     close(&with_typed["vehicle"]["stiffness"]["b0_m_per_s"], 2.0, 1e-12);
     let by_metrics = json(at, &[&["--from", "typed-width"][..], &EVEN].concat());
@@ -227,4 +230,39 @@ fn what_is_typed_wrong_ends_with_code_2_and_a_way_out() {
     }
     let nothing = damage(folder.path(), &[]);
     assert!(nothing.status.code() == Some(2) && text(&nothing.stderr).contains("hint: "));
+}
+
+/// A hint is the line that was typed, with what it lacks; typed in its place, it works.
+#[test]
+fn a_hint_holds_what_was_typed_and_works() {
+    let folder = tempfile::tempdir().unwrap();
+    for typed in [
+        &["--profile", "10;25,5;12 cm"][..],
+        &["--stiffness", "55kN/m,400kN/m^2", "--mass", "1500kg"],
+        &["--line", "2m/s,25/s", "--profile", "10,25,12cm", "--width", "1.5m"],
+        &["--test", "1500kg,20m/s,50cm,1.5m", "--other-mass", "900kg", "--restitution", "0.2"],
+        &[],
+    ] {
+        let output = damage(folder.path(), typed);
+        let told = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{told}");
+        let hint = told.lines().find_map(|line| line.trim().strip_prefix("hint: crumple-damage")).unwrap();
+        // Quotes are the only ones of a shell here, around words with blanks or semicolons.
+        let parts = hint.split('"').enumerate();
+        let words: Vec<&str> = parts
+            .flat_map(|(k, part)| if k % 2 == 1 { vec![part] } else { part.split_whitespace().collect() })
+            .collect();
+        assert_eq!(&words[..typed.len()], typed);
+        let followed = damage(folder.path(), &words);
+        assert!(followed.status.success(), "{hint}: {}", text(&followed.stderr));
+    }
+    for (wrong, right) in [
+        (["--width", "1.5"], "write 1.5cm, 1.5mm or 1.5m"),
+        (["--angle", "20"], "write 20deg"),
+        (["--profile", "10,25,30"], "write 10,25,30cm"),
+        (["--stiffness", "61kN/m,500"], "write 61kN/m,500kN/m^2"),
+    ] {
+        let told = text(&damage(folder.path(), &wrong).stderr);
+        assert!(told.contains(right), "{told}");
+    }
 }

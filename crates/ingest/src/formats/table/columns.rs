@@ -20,6 +20,7 @@ use crate::formats::text::column_names::{
 use crate::formats::waveform::channel;
 use crate::recording::content::{Fitness, Ids, ReadChannel, list};
 use crate::recording::details::Stated;
+use crate::recording::scale::of_sensor;
 use crate::recording::settings::{self, is_pattern};
 use crate::{IngestError, IngestSettings, Place, Profile, Result, pulse, refuse_channel};
 
@@ -192,9 +193,6 @@ fn is_ordinate(header: &TableHeader, data: &[usize], k: usize) -> bool {
     letter(k) == Some("y") && !data.iter().any(|other| matches!(letter(*other), Some("x" | "z")))
 }
 
-/// What a column may be that becomes the pulse.
-const ACCELERATION_OR_VOLTS: &str = "an acceleration column, or one of volts or counts with --scale ch2=50mV/g";
-
 /// What to do about a unit that is not known.
 fn of_unknown(symbol: &str) -> String {
     match near(symbol, ACCELERATION).as_slice() {
@@ -227,9 +225,10 @@ fn check_for_acceleration(
         } else {
             "add --unit g or --unit m/s^2 (or mm/ms^2), whichever it is: a unit is never guessed from the numbers"
         };
+        let id = ids(header, &[k]).remove(0);
         match unit {
-            Unit::Unknown(symbol) => unit.refuse(place, &of_unknown(symbol)),
-            _ => unit.refuse(place, hint),
+            Unit::Unknown(symbol) => unit.refuse(place, &id, &of_unknown(symbol)),
+            _ => unit.refuse(place, &id, hint),
         }
     };
     if let Some(selected) = selected {
@@ -263,9 +262,13 @@ fn check_for_acceleration(
     match unknown.iter().find(|k| is_named_as_acceleration(k)).or(unknown.first()) {
         Some(k) => Err(no_unit(*k)),
         None => {
-            let hint = "export the acceleration of the vehicle, or its velocity with its unit: velocity_km_per_h";
+            let export = "export the acceleration of the vehicle, or its velocity with its unit: velocity_km_per_h";
+            let hint = match of_kind(QuantityKind::Voltage).next() {
+                Some(k) => format!("{}; else {export}", of_sensor(&ids(header, &[k]).remove(0))),
+                None => export.to_owned(),
+            };
             let found = format!("no column is an acceleration: {}", titles(header, data));
-            refuse_channel(file, found, ACCELERATION_OR_VOLTS, hint)
+            refuse_channel(file, found, "an acceleration column, or the volts or counts of its sensor", hint)
         }
     }
 }

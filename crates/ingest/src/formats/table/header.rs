@@ -6,7 +6,7 @@ use crate::formats::iso13499::code_of_name;
 use crate::formats::table::layout::{Delimiter, Layout};
 use crate::formats::text::column_names::{Unit, is_kg, is_time_name, names_acceleration, signal, split_unit, symbol};
 use crate::formats::text::lines::{Line, Lines, decode, field, unquoted};
-use crate::time::stamps::stamp;
+use crate::time::stamp;
 use crate::{Result, refuse};
 
 /// Name and stated unit of a column.

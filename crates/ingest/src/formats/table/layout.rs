@@ -1,7 +1,7 @@
 //! How a table is written: delimiter, decimal mark, header lines, number of columns.
 
 use crate::formats::text::lines::{Line, NumberStyle, comment, decode, is_gap, line_at, unquoted};
-use crate::time::stamps::{Instant, stamp};
+use crate::time::{Instant, stamp};
 use crate::{IngestError, Place, Result, refuse, refuse_size};
 
 /// Lines looked at, comments and blank lines aside.

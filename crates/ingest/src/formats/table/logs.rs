@@ -11,7 +11,7 @@ use crate::formats::table::layout::Delimiter;
 use crate::formats::table::remarks::{LinesOfNoRow, TextOfLogger};
 use crate::formats::text::lines::{NumberStyle, decode, unquoted};
 use crate::recording::content::list;
-use crate::time::stamps::stamp;
+use crate::time::stamp;
 use crate::{Result, refuse_channel};
 
 /// A text as a table, and what is said about that.

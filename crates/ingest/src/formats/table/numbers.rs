@@ -9,7 +9,7 @@ use crate::formats::text::lines::{
     LINE_LIMIT, ParsedNumber, comment, decode, is_gap, is_negative_of_accounts, line_at, scan, unquoted,
 };
 use crate::recording::content::{LineNumbers, MINIMUM_SAMPLES};
-use crate::time::stamps::stamp;
+use crate::time::stamp;
 use crate::{IngestError, Place, Result, refuse};
 
 #[derive(Debug, Clone, Default)]

@@ -11,7 +11,7 @@ use crate::formats::table::numbers::Rows;
 use crate::formats::table::time_axis::is_time_column;
 use crate::formats::text::column_names::{Unit, names_acceleration};
 use crate::recording::content::ReadChannel;
-use crate::time::median_step;
+use crate::time::{Instant, median_step};
 use crate::{IngestSettings, Result};
 
 /// A column of times and the channels behind it.
@@ -129,7 +129,7 @@ pub fn channels(
 /// What times count from.
 #[derive(Debug, Clone, Copy)]
 enum Origin {
-    Clock(crate::time::stamps::Instant),
+    Clock(Instant),
     Seconds(f64),
 }
 

@@ -10,9 +10,8 @@ use crate::formats::table::numbers::Rows;
 use crate::formats::table::remarks::{NoChannel, TimesStandStill};
 use crate::formats::text::column_names::{Unit, is_counter_name, is_time_name, names_acceleration};
 use crate::recording::details::Stated;
-use crate::recording::settings;
 use crate::recording::stated_contact::TimeZero;
-use crate::time::{CALENDAR_S, Grid, Kind, Timed, Times, median_step, over_midnight};
+use crate::time::{CALENDAR_S, Grid, Kind, OnGrid, Timed, Times, median_step, over_midnight};
 use crate::{IngestError, IngestSettings, Place, Result, refuse};
 
 #[derive(Debug, Clone)]
@@ -178,9 +177,6 @@ pub fn find(
     };
     if kind == Kind::Clock {
         over_midnight(&mut values);
-        if settings.time_unit.is_some() {
-            settings::warn("--time-unit", "the times are those of a clock", notes);
-        }
     }
     let place = |index: usize| Place::line(file, rows.lines.of_row(index)).in_column(title.clone());
     if let Some(k) = values.windows(2).position(|pair| pair[1] <= pair[0]) {
@@ -197,7 +193,8 @@ pub fn find(
         comment,
         expected: "a unit in the header, such as time_s",
     };
-    let Timed { mut grid, interpolation, words, origin_s, is_of_a_clock } = times.timed(settings, place, notes)?;
+    let Timed { on_grid, origin_s, is_of_a_clock } = times.timed(settings, place, notes)?;
+    let OnGrid { mut grid, interpolation, words, .. } = on_grid;
     if let Some(interpolation) = interpolation {
         notes.push(Resampled { topic: None, times: None, count: Some(count), words });
         for (_, samples) in rows.columns.iter_mut().enumerate().filter(|(k, _)| *k != column) {

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 use crate::Result;
 use crate::formats::tdms::segments::Cursor;
-use crate::time::stamps::Instant;
+use crate::time::Instant;
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum Property {

@@ -23,8 +23,7 @@ use crate::formats::waveform::conversion;
 use crate::formats::{iso13499, tdm};
 use crate::recording::content::{PulseRule, ReadChannel, Recording, note_doubts};
 use crate::recording::details::Details;
-use crate::time::stamps::Instant;
-use crate::time::stamps::instant;
+use crate::time::{Instant, instant};
 use crate::{IngestSettings, Result};
 
 pub(crate) mod metadata;

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 use crate::formats::remarks::CutShort;
 use crate::formats::tdms::metadata::{self, Properties, Property, RawIndex, SegmentData, Type, entry};
-use crate::time::stamps::Instant;
+use crate::time::Instant;
 use crate::{Refusal, Result, refuse, refuse_size};
 
 const OBJECT_LIMIT: usize = 100_000;

@@ -5,6 +5,7 @@ use crumple_signal::{Axis, QuantityKind};
 
 use crate::error::Question;
 use crate::formats::iso13499;
+use crate::recording::scale::of_sensor;
 use crate::time::LabelUnit;
 use crate::{IngestError, Place, Result};
 
@@ -37,13 +38,15 @@ impl Unit {
         matches!(self, Self::Time(_) | Self::Signal(..))
     }
 
-    /// The refusal of a channel whose acceleration is in this unit, which is not known.
-    pub fn refuse(&self, place: Place, hint: &str) -> IngestError {
+    /// The refusal of a channel, `id`, whose acceleration is in this unit, which is not known; it may be the reading of
+    /// a sensor.
+    pub fn refuse(&self, place: Place, id: &str, hint: &str) -> IngestError {
         let found = match self {
             Self::Unknown(symbol) => format!("unit {symbol:?} is not known"),
             _ => "no unit is stated".to_owned(),
         };
-        let expected = format!("a unit of acceleration: {}; of counts --scale ax=16384/g", choices(ACCELERATION));
+        let expected = format!("a unit of acceleration: {}", choices(ACCELERATION));
+        let hint = format!("{hint}; of volts or counts {}", of_sensor(id));
         IngestError::content(place, found, expected, hint).asking(Question::Unit)
     }
 }

@@ -7,7 +7,7 @@ use crumple_signal::{About, Notes, Weight, remarks};
 
 use crate::formats::text::column_names::{Unit, is_time_name, split_unit};
 use crate::recording::content::{Ids, ReadChannel, list};
-use crate::time::stamps::Instant;
+use crate::time::Instant;
 use crate::{IngestError, Place, Result, time};
 
 /// A channel as its file has it.

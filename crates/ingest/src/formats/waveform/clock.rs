@@ -10,7 +10,7 @@ use crate::formats::remarks::{Resampled, TimeChannels};
 use crate::formats::text::column_names::Unit;
 use crate::formats::waveform::channel::{Label, Waveform, is_named_time};
 use crate::recording::content::list;
-use crate::time::{Grid, Instant, Kind, LinearInterpolation, Timed, Times};
+use crate::time::{Grid, Instant, Kind, LinearInterpolation, OnGrid, Timed, Times};
 use crate::{IngestError, IngestSettings, Place, Result};
 
 /// Longest sampling interval of a crash record, s: 50 samples a second show two or three of a pulse. A longer one is a
@@ -304,7 +304,8 @@ fn grid_of(
     };
     let column = Place::file(file).in_column(label.title.clone());
     let of_sample = |k: usize| Place::file(&format!("{column}, sample {k}"));
-    let Timed { grid, interpolation, words, origin_s, .. } = times.timed(settings, of_sample, notes)?;
+    let Timed { on_grid: OnGrid { grid, interpolation, words, .. }, origin_s, .. } =
+        times.timed(settings, of_sample, notes)?;
     let resampling = interpolation.map(|interpolation| Resampling { interpolation, words, used: false });
     let whole = |s: f64| Instant { seconds: s.floor() as i64, fraction_s: s - s.floor() };
     Ok((grid, origin_s.map(whole), resampling))

@@ -265,13 +265,12 @@ pub fn quantities(
         Some(wanted) => Some(wanted).filter(lacks_unit),
         None => named.next().filter(|_| accelerations == 0),
     };
-    let Some(Label { title, unit, .. }) =
-        ask.filter(|_| !settings.listing && settings.scale.is_none()).map(|k| &labels[k])
-    else {
+    let Some(k) = ask.filter(|_| !settings.listing && settings.scale.is_none()) else {
         return Ok(kinds);
     };
+    let Label { title, unit, .. } = &labels[k];
     let hint = "add --unit g or --unit m/s^2; units are not guessed";
-    Err(unit.refuse(Place::file(file).in_column(title), hint))
+    Err(unit.refuse(Place::file(file).in_column(title), &channel::ids(waveforms, labels)[k], hint))
 }
 
 /// Whether a title names acceleration; `Femur (Acceptable)` does not.

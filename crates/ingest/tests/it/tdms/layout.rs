@@ -482,8 +482,9 @@ fn groups_with_stamps_of_their_own_have_one_axis() {
         }
         raw.doubles((0..60).map(pulse));
     }
-    let recording = read(segment(NEW_LIST | RAW, 4, &metadata, &raw.bytes)).unwrap();
+    let recording = read_with(segment(NEW_LIST | RAW, 4, &metadata, &raw.bytes), &given("--time-unit ms")).unwrap();
     assert_eq!(starts(&recording), [0.0, 0.05]);
+    has_note(&recording, "--time-unit has no effect: the times of stamp are those of a clock");
 }
 
 /// An accelerometer with a sampling interval of `increment`, and a channel of times where it has a name.
@@ -531,6 +532,6 @@ fn a_voltage_is_no_acceleration_and_naming_it_is_no_help() {
     {
         let error = read_as("t.tdms", file.clone(), &given(flags)).unwrap_err();
         assert!(error.to_string().contains(words), "{error}");
-        assert!(error.hint().starts_with("export the acceleration in g: the volts divided by"), "{}", error.hint());
+        assert!(error.hint().starts_with("add --scale \"g.a=50mV/g\""), "{}", error.hint());
     }
 }

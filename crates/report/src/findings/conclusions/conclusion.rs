@@ -11,7 +11,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 use std::borrow::Cow;
 
 use crate::findings::conclusions::concerns::{Concern, concerns};
-use crate::findings::conclusions::key_numbers::in_ms;
+use crate::findings::conclusions::key_numbers::{bound_of_change, in_ms};
 use crate::findings::conclusions::kind::{Kind, kind_of, lacks_mass_or_speed, not_stated};
 use crate::findings::conclusions::several_tests::{missed, several_tests};
 use crate::findings::conclusions::status::{
@@ -381,7 +381,7 @@ impl<'a> Text<'a> {
                 let end_s = self.run.events.as_ref().and_then(|events| events.end_of_event_s);
                 let another = end_s.is_some_and(|end_s| self.run.impacts.iter().any(|i| i.start_s >= end_s));
                 let phrase = if another { phrases.no_stop_in_impact } else { phrases.no_stop };
-                fill(phrase, &[("change", &change), ("time", &time)])
+                fill(phrase, &[("bound", bound_of_change(self.run)), ("change", &change), ("time", &time)])
             }
             _ => phrases.no_stop_no_end.to_owned(),
         }
@@ -415,7 +415,8 @@ impl<'a> Text<'a> {
                     let at = format!("/metrics/{key}/value");
                     (name, fill(phrase, &[(name, self.number(&at, value, (factor, decimals, unit)))]))
                 });
-        Some(fill(phrases.changed, &[("change", change), ("time", time), peak, olc, stroke]))
+        let bound = ("bound", bound_of_change(self.run).to_owned());
+        Some(fill(phrases.changed, &[bound, ("change", change), ("time", time), peak, olc, stroke]))
     }
 
     /// The recommended identified model, else the one that follows the record closest.

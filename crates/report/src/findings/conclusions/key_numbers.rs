@@ -55,6 +55,9 @@ const AT_LEAST: &str = "\u{2265}\u{a0}";
 /// Before the lower bound of a loss that is written as a negative number.
 const AT_MOST: &str = "\u{2264}\u{a0}";
 
+/// Less to one side than this is straight ahead, degrees: half of what is shown.
+const STRAIGHT_DEG: f64 = 0.5;
+
 /// Range of a number over several sensors that measured the same.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Spread {
@@ -97,6 +100,15 @@ impl KeyNumber {
         }
     }
 
+    /// The same in words.
+    pub fn bound(&self) -> &'static str {
+        match self.sign() {
+            AT_LEAST => PHRASES.conclusion.at_least,
+            AT_MOST => PHRASES.conclusion.at_most,
+            _ => "",
+        }
+    }
+
     /// How it is called and shown.
     pub fn quantity(&self) -> &'static KeyQuantity {
         KeyQuantity::of(&self.name).unwrap_or(&UNKNOWN)
@@ -112,6 +124,17 @@ impl KeyNumber {
     pub fn range(&self, low: f64, high: f64) -> String {
         let (factor, decimals, _) = self.quantity().shown();
         words::between(&words::decimals(factor * low, decimals), &self.shown(high))
+    }
+
+    /// The side from which the force of a direction came, by the part of the change of velocity along y, to the right
+    /// positive.
+    pub fn side(&self, run: &Run) -> Option<&'static str> {
+        let is_direction = self.name == DIRECTION_OF_FORCE.key;
+        let degrees = self.value.filter(|_| is_direction)?;
+        let lateral = run.metric("total_delta_v_lateral").and_then(|metric| metric.value)?;
+        let texts = &PHRASES.numbers;
+        let side = if lateral > 0.0 { texts.from_the_left } else { texts.from_the_right };
+        (STRAIGHT_DEG..=180.0 - STRAIGHT_DEG).contains(&degrees).then_some(side)
     }
 
     /// Whether the interval misses a value that another sensor at the same place gives.
@@ -164,8 +187,9 @@ fn of_vehicle(run: &Run, events: &EventsV1) -> Vec<KeyNumber> {
     };
     let at =
         |at_s: Option<f64>, number: KeyNumber| KeyNumber { at_s: at_s.filter(|_| number.value.is_some()), ..number };
+    let is_cut = |name: &str| if name == DELTA_V.key { run.is_change_cut() } else { run.is_rebound_cut() };
     let of_rebound =
-        |number: KeyNumber| KeyNumber { is_lower_bound: number.value.is_some() && run.is_rebound_cut(), ..number };
+        |number: KeyNumber| KeyNumber { is_lower_bound: number.value.is_some() && is_cut(&number.name), ..number };
     let crush = at(events.time_of_dynamic_crush_s, number(&CRUSH, ("dynamic_crush_m", "m"), events.dynamic_crush_m));
     let time = number(&TIME_OF_CRUSH, ("time_of_dynamic_crush_s", "s"), events.time_of_dynamic_crush_s);
     let change = number(&DELTA_V, ("delta_v_m_per_s", "m/s"), events.delta_v_m_per_s);
@@ -173,7 +197,21 @@ fn of_vehicle(run: &Run, events: &EventsV1) -> Vec<KeyNumber> {
     let restitution =
         of_rebound(number(&RESTITUTION, ("coefficient_of_restitution", "1"), events.coefficient_of_restitution));
     let olc = run.metric(OLC.key).map(|metric| of_metric(run, &OLC, metric));
-    [Some(crush), Some(time), Some(change), peak(run), olc, Some(restitution)].into_iter().flatten().collect()
+    let own = [Some(crush), Some(time), Some(change), peak(run), olc, Some(restitution)];
+    own.into_iter().flatten().chain(in_the_plane(run)).collect()
+}
+
+/// Total and direction of the change of velocity, of a record along two axes.
+const IN_THE_PLANE: [KeyQuantity; 2] = [TOTAL_DELTA_V, DIRECTION_OF_FORCE];
+
+fn in_the_plane(run: &Run) -> impl Iterator<Item = KeyNumber> {
+    IN_THE_PLANE.iter().filter_map(|quantity| with_value(run, quantity))
+}
+
+/// A metric that has a value.
+fn with_value(run: &Run, quantity: &KeyQuantity) -> Option<KeyNumber> {
+    let metric = run.metric(quantity.key).filter(|metric| metric.value.is_some())?;
+    Some(of_metric(run, quantity, metric))
 }
 
 fn why_no_event(run: &Run, name: &str) -> String {
@@ -183,11 +221,9 @@ fn why_no_event(run: &Run, name: &str) -> String {
 
 /// What a pulse without a crush has: change of velocity, peak, OLC, stroke.
 fn of_pulse(run: &Run) -> Vec<KeyNumber> {
-    let metric = |quantity: &KeyQuantity| {
-        let metric = run.metric(quantity.key).filter(|metric| metric.value.is_some())?;
-        Some(of_metric(run, quantity, metric))
-    };
-    [metric(&DELTA_V), peak(run), metric(&OLC), metric(&STROKE)].into_iter().flatten().collect()
+    let metric = |quantity: &KeyQuantity| with_value(run, quantity);
+    let own = [metric(&DELTA_V), peak(run), metric(&OLC), metric(&STROKE)];
+    own.into_iter().flatten().chain(in_the_plane(run)).collect()
 }
 
 /// Criteria of the occupant whose sensor the pulse channel is.
@@ -211,6 +247,11 @@ fn may_be_clipped(run: &Run, metric: &MetricV1) -> bool {
     metric.channels().into_iter().any(|channel| run.clipped.iter().any(|clipped| clipped == channel))
 }
 
+/// Before a change of velocity, of which a record that ends too early shows a part.
+pub(crate) fn bound_of_change(run: &Run) -> &'static str {
+    if run.is_change_cut() { PHRASES.conclusion.at_least } else { "" }
+}
+
 /// Before a criterion that is a lower bound.
 pub(crate) fn sign_of(run: &Run, metric: &MetricV1) -> &'static str {
     if may_be_clipped(run, metric) { AT_LEAST } else { "" }
@@ -228,11 +269,11 @@ fn of_recorder(run: &Run) -> Vec<KeyNumber> {
         RECORDED_EES,
         RECORDED_CRUSH,
     ];
-    let number = |quantity: &KeyQuantity| {
-        let metric = run.metric(quantity.key).filter(|metric| metric.value.is_some())?;
-        Some(of_metric(run, quantity, metric))
-    };
-    let mut numbers: Vec<KeyNumber> = kept.iter().filter_map(number).collect();
+    let mut numbers: Vec<KeyNumber> = kept.iter().filter_map(|quantity| with_value(run, quantity)).collect();
+    // Accelerometers along two axes have these as well.
+    if numbers.iter().all(|number| IN_THE_PLANE.contains(number.quantity())) {
+        return Vec::new();
+    }
     // Earlier artifacts have the crush among the events alone.
     if let Some(events) = run.events.as_ref().filter(|_| matches!(&numbers[..], [_, _])) {
         numbers.extend(of_vehicle(run, events).into_iter().find(|number| number.value.is_some()));

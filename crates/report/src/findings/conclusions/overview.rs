@@ -54,9 +54,12 @@ pub fn overview(
         let Some(value) = number.value else { continue };
         let ends = number.low.zip(number.high);
         let own = with_interval(value, ends, number.interval_source, number.quantity());
-        let mut text = format!("{}{own}", number.sign());
+        let mut text = format!("{}{own}", number.bound());
         if let Some(at_s) = number.at_s.filter(|_| number.name == PEAK.key) {
             text.push_str(&format!(", {}", words::quantity(MILLI * at_s, 1, "ms")));
+        }
+        if let Some(side) = number.side(run) {
+            text.push_str(&format!(", {side}"));
         }
         if let Some(spread) = number.spread.as_ref().filter(|_| number.interval_misses_a_sensor()) {
             let range = without_unit(spread.low, spread.high, number.quantity());

@@ -468,6 +468,11 @@ impl Run {
         self.events.as_ref().is_some_and(|events| events.still_separating)
     }
 
+    /// Whether the velocity still changes where the record ends: its change is a lower bound.
+    pub fn is_change_cut(&self) -> bool {
+        self.is_rebound_cut() || self.metric("delta_v").is_some_and(|metric| metric.is_lower_bound)
+    }
+
     /// The metric of this name; one of the pulse channel goes before one of another channel.
     pub fn metric(&self, name: &str) -> Option<&MetricV1> {
         let of_name = || self.metrics.iter().filter(|metric| metric.name == name);

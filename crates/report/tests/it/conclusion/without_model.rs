@@ -62,6 +62,9 @@ fn what_was_allowed_to_be_missing_leaves_a_linear_model() {
     let said = assert_numbers_are_those_of_the_summary(&run, &["n4sid-4"]);
     let first = "The record gives a delta-v of 63.0\u{a0}km/h within 110\u{a0}ms, a peak of 25.0\u{a0}g.";
     assert_eq!(said[0], first);
+    run.metrics[0].is_lower_bound = true;
+    let said = assert_numbers_are_those_of_the_summary(&run, &["n4sid-4"]);
+    assert_eq!(said[0], first.replace("of 63.0", "of at least 63.0"));
     run.metrics.clear();
     assert_eq!(conclusion(&run, &Ranking::of_run(&run)).0.kind, Kind::LinearModel);
     // Without a linear model either there is nothing.

@@ -251,7 +251,13 @@ pub const VEHICLE_RULES: &[Rule] = &[
         rebounded(said, spot)
     }),
     rule("conclusion.no_rebound", &[], no_rebound),
-    rule("conclusion.no_stop", &[("change", At("/events/delta_v_m_per_s")), ("time", Number)], no_stop),
+    rule("conclusion.at_least", &[], places_alone),
+    rule("conclusion.at_most", &[], places_alone),
+    rule(
+        "conclusion.no_stop",
+        &[("bound", Inner(&["conclusion.at_least"])), ("change", At("/events/delta_v_m_per_s")), ("time", Number)],
+        no_stop,
+    ),
     rule("conclusion.no_stop_in_impact", &[("change", At("/events/delta_v_m_per_s")), ("time", Number)], no_stop),
     rule("conclusion.no_stop_no_end", &[], no_stop),
     rule(
@@ -319,6 +325,7 @@ pub const VEHICLE_RULES: &[Rule] = &[
     rule(
         "conclusion.changed",
         &[
+            ("bound", Inner(&["conclusion.at_least"])),
             ("change", At("/metrics/delta_v/value")),
             ("time", Inner(&["conclusion.within"])),
             ("peak", Inner(&["conclusion.and_peak"])),
