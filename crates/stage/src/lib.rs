@@ -17,6 +17,7 @@ mod command_line {
 
     pub mod args;
     pub mod left_out;
+    pub mod of_runs;
     pub mod pipeline;
     pub mod pipeline_file;
 }
@@ -34,8 +35,9 @@ pub use artifacts::remarks::{held, hold, is_no_result, kinds, remarks_of};
 pub use chain_table::{MassOfTable, NumberOfTable, TakenNumbers, read_chain, total_mass_remark, typed};
 pub use command_line::args::{is_shared_flag, keep_budget, memory_limit_flag};
 pub use command_line::left_out::LeftOut;
+pub use command_line::of_runs::refuse_unknown_code;
 pub use command_line::pipeline::pipeline_table;
-pub use command_line::pipeline_file::{Pipeline, refuse_unknown_code};
+pub use command_line::pipeline_file::Pipeline;
 pub use crumple_artifact::{Artifact, InputDigest, Record, Wave, records};
 pub use environment::{refuse_unknown_variables, variable_of, variables};
 pub use error::{ExitStatus, MissingTopic, RefuseExt, Refused, Usage, unknown_name};

@@ -431,7 +431,7 @@ mod tests {
             sample_time = '1 s'\nresample = '9 Hz'\ntime_zero_uncertainty = '1 ms'\ntime_zero_rule = 'edr'\n\
             scale = 'a=50mV/g'";
         let words = "sign = 'flip'\nkind = 'sled'\nprofile = 'edr'\nplace = 'head'\nimpact = 1\nvehicle_number = 1\n\
-            allow_missing = true";
+            overlap = 'glancing'\nallow_missing = true";
         let text = format!("{units}\n{words}\n{texts}");
         assert!(IngestSettings::KEYS.iter().all(|key| text.lines().any(|line| line.starts_with(&format!("{key} =")))));
         let settings = parse("a.toml", text.as_bytes()).unwrap();

@@ -4,7 +4,8 @@ use crumple_artifact::records::{DamageV1, VehicleV1};
 use crumple_signal::unit::{Dimension, parse_value};
 use crumple_signal::value::{Mass, Speed, Time};
 use crumple_signal::{
-    ANOTHER_VEHICLE, About, Note, Notes, Overlap, QuantityKind, TestKind, VEHICLE_KG, Weight, is_mass_of_a_vehicle, remarks,
+    ANOTHER_VEHICLE, About, Note, Notes, Overlap, QuantityKind, TestKind, VEHICLE_KG, Weight, is_mass_of_a_vehicle,
+    remarks,
 };
 
 use crate::recording::stated_contact::TimeZero;

@@ -10,7 +10,7 @@ use crumple_signal::{Sampled, SignalError};
 
 pub use grid::{Grid, GridError, STEP_TOLERANCE, fit, median_step};
 pub use resampling::{LinearInterpolation, OnGrid, on_grid};
-pub use samples::{REMARKS as SAMPLE_REMARKS, CALENDAR_S, Kind, LabelUnit, Timed, Times};
+pub use samples::{CALENDAR_S, Kind, LabelUnit, REMARKS as SAMPLE_REMARKS, Timed, Times};
 pub use stamps::{Instant, instant, over_midnight, stamp, time_of_day};
 pub use unit::{REMARKS as UNIT_REMARKS, stated_unit};
 

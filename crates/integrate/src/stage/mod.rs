@@ -13,7 +13,9 @@ mod without_impact;
 use std::path::PathBuf;
 
 use crumple_metrics::{Measured, first_event};
-use crumple_signal::{About, Channel, Kind, Overlap, QuantityKind, TestDescription, Weight, is_mass_of_a_vehicle, remarks};
+use crumple_signal::{
+    About, Channel, Kind, Overlap, QuantityKind, TestDescription, Weight, is_mass_of_a_vehicle, remarks,
+};
 use crumple_stage::records::MetricsV2;
 use crumple_stage::{Inputs, LeftOut, Loaded, Outcome, Output, RefuseExt, Refused, Stage, flag, option};
 

@@ -11,10 +11,10 @@ mod text;
 pub use conclusions::concerns::{
     Concern, concerns, first_warnings, is_of_a_failed_method, is_of_another_candidate, warnings,
 };
-pub use conclusions::conclusion::{Conclusion, Number, ResultStatus, conclusion};
+pub use conclusions::conclusion::{Conclusion, Number, conclusion};
 pub use conclusions::distinct_curves::{DistinctCurve, SAME_CURVE, SAME_RESTITUTION, distinct_curves, same_curve};
 pub use conclusions::key_numbers::{KeyNumber, Spread, key_numbers};
-pub use conclusions::kind::Kind;
+pub use conclusions::kind::{Kind, ResultStatus};
 pub use conclusions::overview::{OverviewLine, overview};
 pub use conclusions::status::{Status, StatusReason};
 pub use conclusions::summary::{

@@ -5,9 +5,9 @@ mod without_model;
 use std::path::Path;
 
 use crumple_artifact::records::{
-    CandidateV1, EventIntervalV1, EventsV1, EvidenceV1, IdentificationV1, MetricV1, ModeV1,
-    PredictedCollisionV1, PredictedIntervalV1, PredictionV1, RatedCandidateV1, RecommendationV1, RemarkV1,
-    SimulationV1, StrengthV1, UncertaintyV1,
+    CandidateV1, EventIntervalV1, EventsV1, EvidenceV1, IdentificationV1, MetricV1, ModeV1, PredictedCollisionV1,
+    PredictedIntervalV1, PredictionV1, RatedCandidateV1, RecommendationV1, RemarkV1, SimulationV1, StrengthV1,
+    UncertaintyV1,
 };
 use crumple_report::{
     CandidateResult, Kind, Model, Page, Ranking, ResultStatus, Run, Status, conclusion, overview, summary,

@@ -30,8 +30,20 @@ impl Explained {
 }
 
 /// What units change a number by, between a value in SI units and a sentence.
-const FACTORS: [f64; 12] =
-    [1.0, 1e3, 1e-3, 1e2, 1e6, 1e-6, 3.6, 3.6e3, 1e9, 1.0 / 9.80665, 180.0 / std::f64::consts::PI, 0.159_154_943_091_895];
+const FACTORS: [f64; 12] = [
+    1.0,
+    1e3,
+    1e-3,
+    1e2,
+    1e6,
+    1e-6,
+    3.6,
+    3.6e3,
+    1e9,
+    1.0 / 9.80665,
+    180.0 / std::f64::consts::PI,
+    0.159_154_943_091_895,
+];
 
 /// Numbers of a sentence that are none of its values as shown, and stand neither in a name among the values nor in the
 /// explanation of the code: thresholds and numbers of standards do.
@@ -49,7 +61,8 @@ pub fn unstated_numbers(remark: &Value, explained: &Explained) -> Vec<String> {
         }
     }
     // A number stands by itself, with a unit behind it at most: `k1` and `n4sid-4` are names.
-    let number = Regex::new(r"(?:^|[\s(\[=<>±+*'/-])(\d+(?:\.\d+)?(?:e-?\d+)?)").unwrap_or_else(|error| panic!("{error}"));
+    let number =
+        Regex::new(r"(?:^|[\s(\[=<>±+*'/-])(\d+(?:\.\d+)?(?:e-?\d+)?)").unwrap_or_else(|error| panic!("{error}"));
     let is_stated = |shown: &str| {
         let half = match shown.split_once('e') {
             Some((digits, _)) => 0.5 * 10_f64.powi(-(digits.split_once('.').map_or(0, |(_, d)| d.len()) as i32)),
@@ -57,7 +70,8 @@ pub fn unstated_numbers(remark: &Value, explained: &Explained) -> Vec<String> {
         };
         let Ok(read) = shown.parse::<f64>() else { return false };
         let half = if shown.contains('e') { half * read.abs() } else { half };
-        let is_shown = |value: f64| FACTORS.iter().any(|factor| ((value * factor).abs() - read).abs() <= half * 1.000_001);
+        let is_shown =
+            |value: f64| FACTORS.iter().any(|factor| ((value * factor).abs() - read).abs() <= half * 1.000_001);
         numbers.iter().any(|value| is_shown(*value)) || names.contains(shown)
     };
     let found = number.captures_iter(text).map(|found| found[1].to_owned());

@@ -80,9 +80,8 @@ fn is_absent(run: &Run, about: &str) -> bool {
 /// Whether a warning is about what the test is: its pulse, mass, speed, time axis, or a motion that is not theirs. What
 /// sensors differ in, and that two vehicles collided, is no fault of the record.
 pub fn is_of_the_test(run: &Run, concern: &Concern) -> bool {
-    let is_about = |about: &About| {
-        matches!(about, About::Pulse | About::Mass | About::ImpactSpeed | About::Time | About::Motion)
-    };
+    let is_about =
+        |about: &About| matches!(about, About::Pulse | About::Mass | About::ImpactSpeed | About::Time | About::Motion);
     concern.stage != "report" && !is_absent(run, &concern.about) && concern.about.parse().is_ok_and(|a| is_about(&a))
 }
 

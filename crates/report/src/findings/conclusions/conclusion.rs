@@ -12,7 +12,7 @@ use std::borrow::Cow;
 
 use crate::findings::conclusions::concerns::{Concern, concerns};
 use crate::findings::conclusions::key_numbers::{bound_of_change, in_ms};
-use crate::findings::conclusions::kind::{Kind, kind_of, lacks_mass_or_speed, not_stated};
+use crate::findings::conclusions::kind::{Kind, ResultStatus, kind_of, lacks_mass_or_speed, not_stated};
 use crate::findings::conclusions::several_tests::{missed, several_tests};
 use crate::findings::conclusions::status::{
     Status, StatusReason, answer, beside, closest_identified, has_only_forces, interval_of_crush, status_reason,
@@ -21,19 +21,6 @@ use crate::findings::conclusions::uses::{Soundness, Use, good_for, soundness};
 use crate::findings::text::{DEFLECTION, deflection_of_knot, listed, symbols};
 use crate::findings::text::{as_sentence, candidate_name, model_name};
 use crate::findings::{CandidateResult, Ranking, Run};
-
-/// Whether what was asked for is there.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum ResultStatus {
-    /// A model is recommended, or the identified one is the result.
-    Model,
-    /// There are results, and no model is recommended.
-    #[default]
-    NoneRecommended,
-    /// There is no acceptable result.
-    NoResult,
-}
 
 /// A number of the sentences and where `summary.json` has it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -100,20 +87,6 @@ pub struct Conclusion {
 }
 
 impl Conclusion {
-    /// The two questions on a run, each with its answer: is the record sound, and what is the answer good for. Nothing
-    /// where an earlier version did not say it.
-    pub fn answers(&self) -> impl Iterator<Item = (&'static str, String)> {
-        let phrases = &PHRASES.conclusion;
-        let of_record = self.record.map(|record| (phrases.record_label, record.word().to_owned()));
-        of_record.map(|of_record| [of_record, (phrases.good_for_label, self.uses())]).into_iter().flatten()
-    }
-
-    /// `measured quantities, crush at the tested speed, other speeds to ±6 %`.
-    pub fn uses(&self) -> String {
-        let uses: Vec<String> = self.good_for.iter().map(Use::in_words).collect();
-        if uses.is_empty() { PHRASES.conclusion.good_for_nothing.to_owned() } else { uses.join(", ") }
-    }
-
     /// How many numbers of the recommended model are determined, rough, open: `3 of 5 determined, 2 open`.
     pub(crate) fn certainty(&self) -> Option<String> {
         let texts = &PHRASES.runs;

@@ -35,6 +35,19 @@ pub enum Kind {
     MeasuredOnly,
 }
 
+/// Whether what was asked for is there.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum ResultStatus {
+    /// A model is recommended, or the identified one is the result.
+    Model,
+    /// There are results, and no model is recommended.
+    #[default]
+    NoneRecommended,
+    /// There is no acceptable result.
+    NoResult,
+}
+
 /// What kind of record a run is of.
 pub fn kind_of(run: &Run) -> Kind {
     if run.is_generic() {

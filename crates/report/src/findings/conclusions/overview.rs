@@ -35,12 +35,7 @@ pub struct OverviewLine {
 
 /// Warnings that the sentences of the verdict say already are left out. `folder`: that of the run, for commands that
 /// show more.
-pub fn overview(
-    run: &Run,
-    ranking: &Ranking,
-    summary: &Summary,
-    folder: &Path,
-) -> Vec<OverviewLine> {
+pub fn overview(run: &Run, ranking: &Ranking, summary: &Summary, folder: &Path) -> Vec<OverviewLine> {
     let Summary { verdict, concerns, key_numbers, .. } = summary;
     let phrases = &PHRASES.conclusion;
     let mut lines: Vec<OverviewLine> = Vec::new();

@@ -5,8 +5,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::findings::conclusions::concerns::{Concern, is_of_the_test, warnings};
+use crate::findings::conclusions::conclusion::Conclusion;
 use crate::findings::conclusions::kind::Kind;
-use crate::findings::conclusions::status::{WIDE_PERCENT, answer, answer_percent, has_only_forces, has_the_forces, of_identified};
+use crate::findings::conclusions::status::{
+    WIDE_PERCENT, answer, answer_percent, has_only_forces, has_the_forces, of_identified,
+};
 use crate::findings::{CandidateResult, Ranking, Run};
 use crate::phrases::PHRASES;
 use crate::phrases::words;
@@ -72,6 +75,22 @@ impl Use {
             Self::OccupantCriteria => phrases.use_criteria.to_owned(),
             Self::IdentifiedModes => phrases.use_modes.to_owned(),
         }
+    }
+}
+
+impl Conclusion {
+    /// The two questions on a run, each with its answer: is the record sound, and what is the answer good for. Nothing
+    /// where an earlier version did not say it.
+    pub fn answers(&self) -> impl Iterator<Item = (&'static str, String)> {
+        let phrases = &PHRASES.conclusion;
+        let of_record = self.record.map(|record| (phrases.record_label, record.word().to_owned()));
+        of_record.map(|of_record| [of_record, (phrases.good_for_label, self.uses())]).into_iter().flatten()
+    }
+
+    /// `measured quantities, crush at the tested speed, other speeds to ±6 %`.
+    pub fn uses(&self) -> String {
+        let uses: Vec<String> = self.good_for.iter().map(Use::in_words).collect();
+        if uses.is_empty() { PHRASES.conclusion.good_for_nothing.to_owned() } else { uses.join(", ") }
     }
 }
 

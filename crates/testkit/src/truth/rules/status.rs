@@ -83,8 +83,16 @@ pub const RULES: &[Rule] = &[
         &[("low", Number), ("high", Number), ("half_width", Number), ("count", Number)],
         sensors_of_one_place,
     ),
-    rule("conclusion.because_few_forces", &[("determined", Number), ("parameters", Number), ("are", Words)], few_determined),
-    rule("conclusion.because_few_parameters", &[("determined", Number), ("parameters", Number), ("are", Words)], few_determined),
+    rule(
+        "conclusion.because_few_forces",
+        &[("determined", Number), ("parameters", Number), ("are", Words)],
+        few_determined,
+    ),
+    rule(
+        "conclusion.because_few_parameters",
+        &[("determined", Number), ("parameters", Number), ("are", Words)],
+        few_determined,
+    ),
     rule("conclusion.because_unassessed", &[], |_, spot| {
         let has = spot.made.recommended().is_some_and(|best| !best["uncertainty"].is_null());
         holds(!has, || "the recommended model has intervals".to_owned())
@@ -189,7 +197,11 @@ pub const RULES: &[Rule] = &[
         },
     ),
     rule("conclusion.few_forces", &[("determined", Number), ("parameters", Number), ("are", Words)], few_determined),
-    rule("conclusion.few_parameters", &[("determined", Number), ("parameters", Number), ("are", Words)], few_determined),
+    rule(
+        "conclusion.few_parameters",
+        &[("determined", Number), ("parameters", Number), ("are", Words)],
+        few_determined,
+    ),
     rule("conclusion.extrapolates", &[("crush", At("/events/dynamic_crush_m"))], beyond_is_predicted),
     rule("conclusion.warn_extrapolates", &[("crush", At("/events/dynamic_crush_m"))], beyond_is_predicted),
     rule("conclusion.no_fault", &[], |_, spot| {
