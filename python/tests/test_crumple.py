@@ -50,6 +50,19 @@ def test_a_run_is_that_of_the_program(made, tmp_path):
     assert made.summary["verdict"]["status"] in made._repr_html_()
 
 
+def test_what_a_run_says_is_a_value(made):
+    assert made.record in ("sound", "check", "wrong")
+    assert all("kind" in one for one in made.good_for)
+    codes = [one.code for one in made.remarks]
+    assert codes and all(code.startswith("CR") for code in codes)
+    weights = [one.weight for one in made.remarks]
+    assert weights[-1] == 0, "what is good to know comes last"
+    assert made.remarks[0].code in made.remarks._repr_html_()
+    pandas = pytest.importorskip("pandas")
+    table = made.remarks.table()
+    assert isinstance(table, pandas.DataFrame) and list(table["code"]) == codes
+
+
 def test_waves_are_those_of_the_artifacts(made, tmp_path):
     of_program("artifact", "unpack", made.folder / "3-integrate.mcap", tmp_path / "plain")
     for line in (tmp_path / "plain/waves.ndjson").read_text("utf-8").splitlines():

@@ -9,7 +9,8 @@ use serde_content::{Data, Value};
 
 /// The record as JSON, its fields in the order of the type.
 pub(crate) fn to_json<T: Serialize>(record: &T) -> Result<Vec<u8>, String> {
-    let mut value = serde_content::Serializer::new().serialize(record).map_err(|error| error.to_string())?;
+    let mut value =
+        serde_content::Serializer::new().human_readable().serialize(record).map_err(|error| error.to_string())?;
     leave_out_unknown_fields(&mut value);
     serde_json::to_vec(&value).map_err(|error| error.to_string())
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use crumple_artifact::records::{EventsV1, RemarkV1};
 use crumple_diff::{CompareSettings, Difference, Limit, SAME_SHARE, Step, compare_with_limits, remarks_by_code};
+use crumple_stage::joints::invariants;
 use serde_json::{Map, Value, json};
 
 use crate::drawing::numbers::ABSENT;
@@ -66,7 +67,7 @@ impl Part {
 impl Fact {
     /// Whether it stands above all numbers: the status, and what a run contradicts itself in.
     pub fn is_grave(&self) -> bool {
-        self.part == Part::Status || self.part == Part::Field("remarks".to_owned())
+        self.part == Part::Status || self.part == Part::Field("contradictions".to_owned())
     }
 }
 
@@ -159,7 +160,7 @@ const INTERVALS: &str = "intervals of numbers";
 const ENDS_OF_PARAMETERS: [&str; 2] = ["interval_low", "interval_high"];
 
 /// Parts of a summary, those that people look at first in front.
-const PARTS: [&str; 14] = [
+const PARTS: [&str; 15] = [
     "verdict",
     "limits",
     "test",
@@ -170,6 +171,7 @@ const PARTS: [&str; 14] = [
     "closest",
     "predictions",
     "concerns",
+    "contradictions",
     "remarks",
     "events",
     "impacts",
@@ -243,7 +245,8 @@ fn decided_by([kept, other]: [&Expected; 2], is_earlier: bool) -> Value {
             ("metrics".to_owned(), json!(metrics)),
             ("other_metrics".to_owned(), json!(others)),
             ("models".to_owned(), json!(run.models)),
-            ("remarks".to_owned(), remarks(run)),
+            ("contradictions".to_owned(), remarks(run, true)),
+            ("remarks".to_owned(), remarks(run, false)),
             ("warnings".to_owned(), json!(run.warnings)),
             ("best_undetermined".to_owned(), json!(run.best_undetermined)),
             ("best_hardly_determined".to_owned(), json!(run.best_hardly_determined)),
@@ -275,10 +278,12 @@ fn concerns(run: &Summary) -> Value {
     json!(by_subject.iter().map(|(id, notes)| json!({"id": id, "notes": notes})).collect::<Vec<_>>())
 }
 
-/// The warnings with a code, with their values.
-fn remarks(run: &Summary) -> Value {
-    let has_code = |remark: &&RemarkV1| remark.is_warning() && !remark.code.is_empty();
-    remarks_by_code(&json!(run.remarks.iter().filter(has_code).collect::<Vec<_>>()))
+/// The warnings with a code, with their values: what contradicts, or the others.
+fn remarks(run: &Summary, contradict: bool) -> Value {
+    let is_row = |code: &str| invariants().any(|row| row.kind.code == code);
+    let is_meant =
+        |remark: &&RemarkV1| remark.is_warning() && !remark.code.is_empty() && is_row(&remark.code) == contradict;
+    remarks_by_code(&json!(run.remarks.iter().filter(is_meant).collect::<Vec<_>>()))
 }
 
 /// The predictions by what was asked, without the numbers of the rows.
@@ -467,7 +472,7 @@ mod tests {
             ("/summary/predictions/0/extrapolates", json!(true), "extrapolates"),
             ("/summary/concerns", json!([]), "concerns[mass, ingest, weight 2]"),
             ("/summary/concerns/0/weight", json!(3), "concerns[mass, ingest, weight 3]"),
-            ("/summary/remarks", json!([]), "remarks[CR203]"),
+            ("/summary/remarks", json!([]), "contradictions[CR203]"),
             ("/contact/source_time_s", json!(0.6), "contact.source_time_s"),
         ]
     }

@@ -103,6 +103,11 @@ pub fn fill<T: AsRef<str>>(template: &str, texts: &[(&str, T)]) -> String {
     out
 }
 
+/// `is` behind 1, `are` behind any other count.
+pub fn verb(count: usize) -> &'static str {
+    if count == 1 { PHRASES.conclusion.is } else { PHRASES.conclusion.are }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -100,11 +100,6 @@ impl Conclusion {
     }
 }
 
-/// `1 is`, `2 are`.
-fn verb_of(count: usize) -> &'static str {
-    if count == 1 { PHRASES.conclusion.is } else { PHRASES.conclusion.are }
-}
-
 /// The verdict on a run and its concerns.
 pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<Concern>) {
     let kind = kind_of(run);
@@ -186,7 +181,7 @@ impl<'a> Text<'a> {
                 let texts = [
                     ("determined", self.number(&at("determined"), *determined as f64, (1.0, 0, ""))),
                     ("parameters", self.number(&at("parameters"), *parameters as f64, (1.0, 0, ""))),
-                    ("are", verb_of(*determined).to_owned()),
+                    ("are", words::verb(*determined).to_owned()),
                 ];
                 fill(template, &texts)
             }
@@ -564,7 +559,7 @@ impl<'a> Text<'a> {
             (name.to_owned(), self.number(&format!("/verdict/{name}"), count as f64, (1.0, 0, "")))
         };
         (known.determined < known.parameters).then(|| {
-            let are = ("are".to_owned(), verb_of(known.determined).to_owned());
+            let are = ("are".to_owned(), words::verb(known.determined).to_owned());
             let texts = [count("determined", known.determined), count("parameters", known.parameters), are];
             fill(template, &texts.each_ref().map(|(name, text)| (name.as_str(), text)))
         })
