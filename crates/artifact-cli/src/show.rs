@@ -232,8 +232,8 @@ mod tests {
 
     #[test]
     fn a_note_has_its_stage_in_front() {
-        let infos = vec![("ingest".to_owned(), "a note on one record".to_owned())];
-        let notes = StageNotes { infos, ..StageNotes::default() };
-        assert_eq!(notes.lines(), [("note       ingest".to_owned(), "a note on one record".to_owned())]);
+        let [stage, text, code] = ["ingest", "a note on one record", "CR101"].map(str::to_owned);
+        let notes = StageNotes(vec![RemarkV1 { stage, text, code, ..RemarkV1::default() }]);
+        assert_eq!(notes.lines(), [("note       ingest".to_owned(), "a note on one record [CR101]".to_owned())]);
     }
 }

@@ -447,7 +447,7 @@ fn in_this_run(found: &RemarkV1) -> String {
     };
     let values: Vec<String> = found.values.iter().map(of_value).collect();
     let values = if values.is_empty() { String::new() } else { format!(" Values: {}.", values.join(", ")) };
-    format!("Here: {} ({}).{values}", found.text, found.stage)
+    format!("Here, {}: {}.{values}", found.stage, found.text.trim_end_matches('.'))
 }
 
 /// A section of docs/remarks.md.

@@ -181,9 +181,9 @@ texts! { ConclusionTexts
     dual:
         "The mass split cannot be identified from one sensor: a mirrored (dual) model fits equally well.";
     few_forces:
-        "Use its crush, not its forces: only {determined} of {parameters} {are} well known.";
+        "Use its crush, not its forces: {determined} of {parameters} {are} well known.";
     few_parameters:
-        "Use its crush, not its parameters: only {determined} of {parameters} {are} well known.";
+        "Use its crush, not its parameters: {determined} of {parameters} {are} well known.";
     extrapolates:
         "Beyond {crush}, the crush of the test, it extrapolates.";
     and: "and";

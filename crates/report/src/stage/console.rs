@@ -15,13 +15,16 @@ pub fn lines(run: &Run, ranking: &Ranking, summary: &Summary, report: &Path) -> 
     let folder = report.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut lines = overview(run, ranking, summary, folder);
     let label = PHRASES.conclusion.files_label.to_owned();
-    lines.push(OverviewLine { label, text: report.display().to_string(), may_be_cut: false });
+    let text = report.display().to_string();
+    lines.push(OverviewLine { label, text, code: String::new(), may_be_cut: false });
     let width = lines.iter().map(|line| line.label.chars().count()).max().unwrap_or(0) + 2;
-    for OverviewLine { label, text, may_be_cut } in &lines {
+    for OverviewLine { label, text, code, may_be_cut } in &lines {
+        let code = if code.is_empty() { String::new() } else { format!(" [{code}]") };
         if *may_be_cut {
-            printed.push(labelled_and_cut(label, width, text, columns));
+            let cut = labelled_and_cut(label, width, text, columns.saturating_sub(code.len()));
+            printed.push(cut + &code);
         } else {
-            printed.extend(labelled(label, width, text, columns));
+            printed.extend(labelled(label, width, &(text.clone() + &code), columns));
         }
     }
     printed

@@ -420,7 +420,7 @@ impl Inputs {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crumple_artifact::records::{MetricsV2, SeverityV1};
+    use crumple_artifact::records::MetricsV2;
     use crumple_artifact::{ArtifactBuilder, Compression, Provenance, put_json};
 
     /// An artifact of a stage about the record with this digest.

@@ -29,6 +29,8 @@ pub struct OverviewLine {
     pub label: String,
     /// The number, its interval and its unit, or the sentence.
     pub text: String,
+    /// Code of the warning that it is; empty where it is none. It stands behind the text, also behind one that is cut.
+    pub code: String,
     /// Whether the text may be cut where the line of the terminal ends: all of it is said by `just notes`.
     pub may_be_cut: bool,
 }
@@ -39,7 +41,12 @@ pub fn overview(run: &Run, ranking: &Ranking, summary: &Summary, folder: &Path) 
     let Summary { verdict, concerns, key_numbers, .. } = summary;
     let phrases = &PHRASES.conclusion;
     let mut lines: Vec<OverviewLine> = Vec::new();
-    let line = |label: &str, text: String| OverviewLine { label: label.to_owned(), text, may_be_cut: false };
+    let line = |label: &str, text: String| OverviewLine {
+        label: label.to_owned(),
+        text,
+        code: String::new(),
+        may_be_cut: false,
+    };
     lines.extend(verdict.answers().map(|(label, text)| line(label, text)));
     // Of an occupant's sensor these are no numbers of the vehicle.
     let of_vehicle = verdict.kind != Kind::Occupant;
@@ -78,8 +85,9 @@ pub fn overview(run: &Run, ranking: &Ranking, summary: &Summary, folder: &Path) 
     for (number, concern) in first.iter().enumerate() {
         let label = if number == 0 { phrases.warnings_label } else { "" };
         // What makes all doubtful is said whole.
-        let text = format!("{}. {}", number + 1, concern.with_code());
-        lines.push(OverviewLine { may_be_cut: number > 0 || !decisive, ..line(label, text) });
+        let text = format!("{}. {}", number + 1, concern.text);
+        let (code, may_be_cut) = (concern.code.clone(), number > 0 || !decisive);
+        lines.push(OverviewLine { code, may_be_cut, ..line(label, text) });
     }
     if !run.contradictions.is_empty() {
         lines.push(line("", format!("{}: {} {}", phrases.explains, program("artifact explain"), folder.display())));
