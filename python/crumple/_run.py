@@ -68,13 +68,13 @@ class Run:
 
     @property
     def record(self) -> str:
-        """Whether the record is sound: `sound`, `check` or `wrong`."""
-        return str(self.summary["verdict"]["record"])
+        """Whether the record is sound: `sound`, `check` or `wrong`; empty where an earlier version made the run."""
+        return str(self.summary["verdict"].get("record") or "")
 
     @property
     def good_for(self) -> list[dict[str, Any]]:
         """What the answers are good for, e.g. `[{"kind": "measured-quantities"}, ...]`; empty: for nothing."""
-        return list(self.summary["verdict"]["good_for"])
+        return list(self.summary["verdict"].get("good_for", ()))
 
     @property
     def candidates(self) -> list[Record]:

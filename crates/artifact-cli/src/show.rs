@@ -61,9 +61,9 @@ fn message(artifact: &Artifact, topic: &str, problem: String) -> ReadError {
 
 // The remarks of artifacts alone: warnings by weight, then what is good to know, each with its stage.
 
-/// What stages remarked, strongest first.
+/// What stages remarked, strongest first, and the codes that a pipeline allows.
 #[derive(Debug, Default)]
-pub struct StageNotes(Vec<RemarkV1>);
+pub struct StageNotes(Vec<RemarkV1>, Vec<String>);
 
 impl StageNotes {
     /// Gathers the remarks of artifacts, each once, those that change most first: a stage that has nothing to work on
@@ -81,14 +81,16 @@ impl StageNotes {
         }
         // The sort is stable: equals stay in the order of the stages.
         all.sort_by_key(|remark| std::cmp::Reverse((is_no_result(remark), remark.weight)));
-        Ok(Self(all))
+        Ok(Self(all, Vec::new()))
     }
 
-    /// The same with the warnings of a run's `summary.json`, which weighs them by what it shows.
+    /// The same with the warnings of a run's `summary.json`, which weighs them by what it shows. Those that its pipeline
+    /// allows stand behind them.
     #[must_use]
-    pub fn ranked_as(mut self, concerns: Vec<RemarkV1>) -> Self {
-        self.0.retain(|remark| !remark.is_warning());
+    pub fn ranked_as(mut self, concerns: Vec<RemarkV1>, allowed: &[String]) -> Self {
+        self.0.retain(|remark| !remark.is_warning() || allowed.contains(&remark.code));
         self.0.splice(0..0, concerns);
+        self.1 = allowed.to_vec();
         self
     }
 
@@ -101,7 +103,11 @@ impl StageNotes {
                 lines.push((format!("{:<11}{stage}", "note"), remark.with_code()));
                 continue;
             }
-            let mark = if is_no_result(remark) { "none" } else { "warning" };
+            let mark = match remark {
+                remark if is_no_result(remark) => "none",
+                remark if self.1.contains(&remark.code) => "allowed",
+                _ => "warning",
+            };
             lines.push((format!("{mark:<8}{weight:<3}{stage}"), remark.with_code()));
             lines.extend(remedy.iter().map(|remedy| (String::new(), format!("what to do: {remedy}"))));
         }
@@ -233,7 +239,7 @@ mod tests {
     #[test]
     fn a_note_has_its_stage_in_front() {
         let [stage, text, code] = ["ingest", "a note on one record", "CR101"].map(str::to_owned);
-        let notes = StageNotes(vec![RemarkV1 { stage, text, code, ..RemarkV1::default() }]);
+        let notes = StageNotes(vec![RemarkV1 { stage, text, code, ..RemarkV1::default() }], Vec::new());
         assert_eq!(notes.lines(), [("note       ingest".to_owned(), "a note on one record [CR101]".to_owned())]);
     }
 }

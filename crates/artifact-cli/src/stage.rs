@@ -1,5 +1,6 @@
 //! The program: commands and their options, files in and out, exit code.
 
+use std::cmp::Reverse;
 use std::fs;
 use std::io::IsTerminal;
 use std::path::{Component, Path, PathBuf};
@@ -19,8 +20,8 @@ use crumple_signal::{Kind, Weight};
 use crumple_stage::joints::{contradictions, invariants};
 use crumple_stage::{
     Call, ExitStatus, Pipeline, Program, Refused, Usage, artifacts_of_a_run, chain, columns, keep_budget, kinds,
-    labelled, load_artifacts, nearest, printable, program, refuse_a_mixture, refuse_to_overwrite, remarks_of,
-    results_of_an_earlier_run, run_tool, say, to_stdout, unknown_name, wrapped,
+    labelled, load_artifacts, nearest, printable, program, refuse_a_mixture, refuse_to_overwrite, refuse_unknown_code,
+    remarks_of, results_of_an_earlier_run, run_tool, say, to_stdout, unknown_name, wrapped,
 };
 use serde::de::DeserializeOwned;
 
@@ -213,7 +214,7 @@ const LABEL_OF_A_NOTE: usize = 28;
 
 fn notes(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
     let mut files = Vec::new();
-    let mut ranked = None;
+    let (mut ranked, mut allowed) = (None, Vec::new());
     for path in paths {
         if path.is_dir() {
             files.extend(artifacts_of_a_run(path)?);
@@ -221,6 +222,7 @@ fn notes(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
                 say(format_args!("note: {problem}"));
             }
             ranked = in_summary(path, "concerns").filter(|_| paths.len() == 1);
+            allowed = pipeline_of(path).map_or(Vec::new(), |pipeline| pipeline.allowed().collect());
         } else {
             files.push(path.clone());
         }
@@ -230,7 +232,7 @@ fn notes(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
     let loaded = load_artifacts(&files)?.input;
     let notes = StageNotes::of(loaded.artifacts()).map_err(Refused::from)?;
     let notes = match ranked {
-        Some(concerns) => notes.ranked_as(concerns),
+        Some(concerns) => notes.ranked_as(concerns, &allowed),
         None => notes,
     };
     // A line each where a program reads them.
@@ -381,13 +383,11 @@ fn explain(words: &[PathBuf], markdown: bool) -> anyhow::Result<ExitStatus> {
     };
     let code = code.map(|code| code.to_string_lossy());
     let known = kinds();
-    let asked = match &code {
-        Some(code) => Some(*known.iter().find(|kind| kind.code.eq_ignore_ascii_case(code)).ok_or_else(|| {
-            let codes: Vec<&str> = known.iter().map(|kind| kind.code).collect();
-            unknown_name(&format!("no remark has the code {code:?}"), code, &codes)
-        })?),
-        None => None,
-    };
+    if let Some(code) = &code {
+        refuse_unknown_code(code)?;
+    }
+    let asked =
+        code.as_deref().and_then(|code| known.iter().find(|kind| kind.code.eq_ignore_ascii_case(code)).copied());
     if markdown {
         let all: String =
             known.iter().filter(|kind| asked.is_none_or(|asked| asked == **kind)).map(as_markdown).collect();
@@ -399,10 +399,14 @@ fn explain(words: &[PathBuf], markdown: bool) -> anyhow::Result<ExitStatus> {
         Some(asked) => asked == **kind,
         None => here.iter().any(|found| found.code == kind.code),
     };
+    // The strongest first, as the run has them.
+    let strength = |kind: &&&Kind| here.iter().position(|found| found.code == kind.code);
+    let mut asked_for: Vec<&&Kind> = known.iter().filter(is_asked).collect();
+    asked_for.sort_by_key(strength);
     let mut paragraphs = Vec::new();
-    for kind in known.iter().filter(is_asked) {
+    for kind in asked_for {
         let [_, decided, means, remedy] = kind.explanation;
-        paragraphs.push(format!("{}: {}", kind.code, kind.found()));
+        paragraphs.push(format!("{}, {}: {}", kind.code, weight_of(kind), kind.found()));
         let of_kind: Vec<&RemarkV1> = here.iter().filter(|found| found.code == kind.code).collect();
         paragraphs.extend(of_kind.iter().map(|found| in_this_run(found)));
         if let Some(run) = run.filter(|_| of_kind.is_empty()) {
@@ -433,9 +437,18 @@ fn remarks_of_a_run(run: &Path) -> anyhow::Result<Vec<RemarkV1>> {
     let contradictions = contradictions(&artifacts, pipeline_of(run).as_ref());
     let mut all: Vec<RemarkV1> = contradictions.iter().map(|found| found.remark(None)).collect();
     for artifact in &artifacts {
-        all.extend(remarks_of(artifact).map_err(Refused::from)?);
+        for remark in remarks_of(artifact).map_err(Refused::from)? {
+            // A stage without anything to work on hands on what an earlier one said.
+            if !all.contains(&remark) {
+                all.push(remark);
+            }
+        }
     }
-    all.extend(in_summary::<RemarkV1>(run, "remarks").unwrap_or_default().into_iter().filter(|r| r.stage == "report"));
+    let in_summary: Vec<RemarkV1> = in_summary(run, "remarks").unwrap_or_default();
+    all.extend(
+        in_summary.into_iter().filter(|remark| !all.iter().any(|known| known.text == remark.text)).collect::<Vec<_>>(),
+    );
+    all.sort_by_key(|remark| Reverse(remark.weight));
     Ok(all)
 }
 
@@ -450,18 +463,22 @@ fn in_this_run(found: &RemarkV1) -> String {
     format!("Here, {}: {}.{values}", found.stage, found.text.trim_end_matches('.'))
 }
 
-/// A section of docs/remarks.md.
-fn as_markdown(kind: &&Kind) -> String {
-    let [_, decided, means, remedy] = kind.explanation;
-    let how = match kind.weight {
+/// How much a kind changes, in words.
+fn weight_of(kind: &Kind) -> &'static str {
+    match kind.weight {
         _ if invariants().any(|row| row.ends_the_run && row.kind.code == kind.code) => "refused, exit code 3",
         Weight::None => "good to know",
         Weight::Slight => "a warning, weight 1",
         Weight::Marked => "a warning, weight 2",
         Weight::Decisive => "a warning, weight 3",
-    };
+    }
+}
+
+/// A section of docs/remarks.md.
+fn as_markdown(kind: &&Kind) -> String {
+    let [_, decided, means, remedy] = kind.explanation;
     let paragraphs = [
-        format!("{} *{how}*", kind.found()),
+        format!("{} *{}*", kind.found(), weight_of(kind)),
         format!("Decided: {decided}"),
         format!("Means: {means}"),
         format!("Do: {remedy}."),

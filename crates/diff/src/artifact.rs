@@ -193,7 +193,7 @@ fn compare_records(
 }
 
 /// Remarks as they are compared: by code, equal where subject, weight and values are. Of a sentence without a code, and
-/// of texts among the values, other numbers are no difference, as in notes.
+/// of sentences among the values, other numbers are no difference, as in notes.
 pub fn remarks_by_code(remarks: &Value) -> Value {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     let mut all = Vec::new();
@@ -208,7 +208,9 @@ pub fn remarks_by_code(remarks: &Value) -> Value {
         };
         let no_values = serde_json::Map::new();
         let stated = remark["values"].as_object().unwrap_or(&no_values);
-        let (values, texts): (Vec<_>, Vec<_>) = stated.iter().partition(|(_, value)| value.is_number());
+        // A name is compared as it is, a sentence as notes are.
+        let is_sentence = |value: &Value| value.as_str().is_some_and(|text| text.contains(' '));
+        let (texts, values): (Vec<_>, Vec<_>) = stated.iter().partition(|(_, value)| is_sentence(value));
         let values: serde_json::Map<String, Value> = values.into_iter().map(|(k, v)| (k.clone(), v.clone())).collect();
         let mut notes: Vec<&Value> = texts.into_iter().map(|(_, text)| text).collect();
         if code.is_empty() {

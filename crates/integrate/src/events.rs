@@ -364,8 +364,8 @@ remarks! {
         impact_speed_m_per_s: f64
     }
     bears on (About::Motion, Weight::None)
-    decided "Both are equal where the velocity is the impact speed at contact and zero at the stop; 0.1 % is the error \
-             of sampling and summation."
+    decided "Both are equal where the velocity is the impact speed at contact and zero at the stop. The \
+             acceleration is also compared with the motion by parts: 0.1 % is the error of sampling and summation."
     means "A larger gap comes from another velocity at contact or at the stop, not from the sampling."
     remedy "nothing; where the velocity at contact differs from the impact speed, check time zero and the zero level"
     says {
@@ -422,9 +422,10 @@ remarks! {
     bears on (About::ImpactSpeed, Weight::Marked)
     decided "The velocity is positive where 20 ms change it by no more than 0.8 km/h (49 CFR 563.5). The change of \
              velocity over one and a restitution of 0.15 (0.05 to 0.3) is the speed that fits."
-    means "Against a rigid barrier the speed is wrong, and all of the motion with it. A glancing impact, or a partner \
-           that gives way, leaves the vehicle speed: then delta-v holds, and there is no dynamic crush."
-    remedy "check the impact speed; where the impact was glancing, --overlap glancing of crumple ingest states it"
+    means "A full impact on a rigid wall stops the vehicle: then the speed is wrong, and the motion with it. A glancing \
+           impact, a small overlap say, or a partner that gives way, leaves the vehicle speed: then delta-v holds, \
+           and there is no dynamic crush."
+    remedy "check the impact speed; where the impact was glancing, state it: crumple run RECORD --overlap glancing"
     says format!(
         "check the impact speed ({:.1} km/h): the car would not stop, it would still move at {:.0} km/h. {} whether \
          the impact was glancing or the partner gave way",

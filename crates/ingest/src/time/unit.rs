@@ -97,7 +97,7 @@ remarks! {
     CR116 AssumedTimeUnit { column: String, unit: &'static str, step: f64 }
     bears on (About::Time, Weight::None)
     decided "The median step is read. Steps of 1e-7 to 0.02 are s: in ms they would be sampled at 50 kHz to 10 GHz. \
-             Numbers as large as dates of Excel or MATLAB are days. Any other step is asked about."
+             Smaller steps of numbers as large as dates of Excel or MATLAB are days. Any other step is asked about."
     means "Delta-v grows with the unit of time, and crush with its square."
     remedy "nothing, if the sampling rate is that of the recorder; else state the unit by --time-unit"
     says format!(

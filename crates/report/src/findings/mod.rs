@@ -16,7 +16,7 @@ pub use conclusions::distinct_curves::{DistinctCurve, SAME_CURVE, SAME_RESTITUTI
 pub use conclusions::key_numbers::{KeyNumber, Spread, key_numbers};
 pub use conclusions::kind::{Kind, ResultStatus};
 pub use conclusions::overview::{OverviewLine, overview};
-pub use conclusions::own_remarks::REMARKS;
+pub use conclusions::own_remarks::{REMARKS, StatedInFile};
 pub use conclusions::status::{Status, StatusReason};
 pub use conclusions::summary::{
     CandidateSummary, MatchingSummary, MetricSummary, ModelSummary, OF_SEVERAL_TESTS, OtherMetricSummary, PoleSummary,

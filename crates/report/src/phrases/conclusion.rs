@@ -65,6 +65,8 @@ texts! { ConclusionTexts
     because_no_result: "there is no acceptable result";
     because_decisive:
         "{subject} is in doubt, see warning {number}";
+    because_check:
+        "check {subject}, see warning {number}";
     the_pulse: "the pulse";
     the_mass: "the mass";
     the_impact_speed: "the impact speed";
@@ -215,7 +217,8 @@ texts! { ConclusionTexts
     about_identified_models: "Identified models";
     no_fault: "No fault was found in the record.";
     before_use: "Before you use this";
-    allowed: "{count} allowed by the pipeline: {codes}";
+    allowed_label: "allowed";
+    allowed: "{count} by the pipeline: {codes}";
     one_more: "1 more warning";
     more: "{count} more warnings";
     verdict: "Verdict";

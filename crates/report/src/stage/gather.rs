@@ -1,5 +1,6 @@
 //! Gathers a run from artifacts: by topic, not by position.
 
+use crate::findings::StatedInFile;
 use crate::phrases::PHRASES;
 use std::collections::BTreeMap;
 
@@ -13,7 +14,7 @@ use crumple_artifact::records::{
     PredictionV1, QualityV1, RemarkV1, ResponseV1, SimulationV1, StabilizationV1, StateSpaceV1, TestV1, TestsV2,
     TransferFunctionV1,
 };
-use crumple_signal::{Channel, Note, QuantityKind, Sampled, TestDescription};
+use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
 use crumple_stage::joints::{Contradiction, contradictions};
 use crumple_stage::{Inputs, Pipeline, Refused, is_no_result, program, remarks_of};
 
@@ -62,7 +63,7 @@ pub fn gather(inputs: &Inputs, pipeline: Option<&Pipeline>) -> anyhow::Result<Ru
     let found = contradictions(inputs.artifacts(), pipeline);
     let program_of = |stage: &str| run.provenance.iter().find(|made| made.stage == stage)?.program.as_ref();
     let remark = |found: &Contradiction| found.remark(program_of(found.stage).map(|program| &*program.command));
-    run.allowed = pipeline.iter().flat_map(|pipeline| pipeline.allowed()).map(str::to_owned).collect();
+    run.allowed = pipeline.iter().flat_map(|pipeline| pipeline.allowed()).collect();
     run.contradictions = found.iter().map(remark).collect();
     let qualities = inputs.records::<QualityV1>("/quality/")?;
     run.clipped = qualities.into_iter().filter(|(_, q)| q.may_be_clipped()).map(|(id, _)| id).collect();
@@ -285,9 +286,10 @@ fn collect_remarks(inputs: &Inputs, run: &mut Run) -> anyhow::Result<()> {
         all.iter().any(|known| (&known.stage, &known.text) == (&remark.stage, &remark.text))
     };
     for artifact in inputs.artifacts() {
+        let is_of_before = artifact.records().iter().all(|record| record.topic != "/remarks");
         for remark in remarks_of(artifact).map_err(Refused::from)? {
             // A program of before writes its diagnosis again.
-            let is_again = is_no_result(&remark) && all.iter().any(is_no_result);
+            let is_again = is_of_before && is_no_result(&remark) && all.iter().any(is_no_result);
             if !is_known(&all, &remark) && !is_again {
                 all.push(remark);
             }
@@ -298,7 +300,8 @@ fn collect_remarks(inputs: &Inputs, run: &mut Run) -> anyhow::Result<()> {
             run.without.get_or_insert(diagnosis.reason);
         }
     }
-    let of_file = run.test.notes.iter().map(|text| RemarkV1::new("ingest", &Note::parse(text)));
+    let of_file =
+        run.test.notes.iter().map(|text| RemarkV1::new("ingest", &StatedInFile { fact: text.clone() }.into()));
     let of_file: Vec<RemarkV1> = of_file.filter(|remark| !is_known(&all, remark)).collect();
     let after_ingest = all.iter().take_while(|remark| remark.stage == "ingest").count();
     all.splice(after_ingest..after_ingest, of_file);

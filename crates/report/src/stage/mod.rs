@@ -142,10 +142,8 @@ impl Cli {
 }
 
 /// The program.
-pub const PROGRAM: Program = Program {
-    remarks: &[crate::findings::REMARKS],
-    ..Program::of_tool::<Cli>("report", |call| run_tool(call, run))
-};
+pub const PROGRAM: Program =
+    Program { remarks: &[crate::findings::REMARKS], ..Program::of_tool::<Cli>("report", |call| run_tool(call, run)) };
 
 /// Many run folders as a table on one page.
 #[derive(Debug, clap::Parser)]

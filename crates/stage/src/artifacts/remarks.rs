@@ -63,7 +63,7 @@ pub fn is_no_result(remark: &RemarkV1) -> bool {
 /// Why a stage has no result, and what to do about it.
 pub(crate) fn no_result(stage: &str, reason: &str, remedy: Option<String>) -> RemarkV1 {
     let remark = RemarkV1::new(stage, &NoResult { reason: reason.to_owned() }.into());
-    RemarkV1 { about: About::of_stage(stage).to_string(), remedy, ..remark }
+    RemarkV1 { about: About::of_stage(stage).to_string(), remedy: remedy.or_else(|| remark.remedy.clone()), ..remark }
 }
 
 /// The remarks of a stage, strongest first.
@@ -90,7 +90,12 @@ pub(crate) fn as_concerns(remarks: &[RemarkV1]) -> ConcernsV2 {
 /// or another program wrote it. A warning that no `/concerns` weighs has the least weight; the diagnosis of a program
 /// that writes no concern is a remark too. Errors: a record does not decode.
 pub fn remarks_of(artifact: &Artifact) -> Result<Vec<RemarkV1>, ReadError> {
-    if let Some(RemarksV1 { remarks }) = artifact.record("/remarks")? {
+    let diagnosis = artifact.record::<DiagnosisV1>("/diagnosis")?;
+    if let Some(RemarksV1 { mut remarks }) = artifact.record("/remarks")? {
+        // A program from elsewhere may write its diagnosis alone.
+        if let Some(diagnosis) = diagnosis.filter(|_| !remarks.iter().any(is_no_result)) {
+            remarks.insert(0, no_result(&diagnosis.stage, &diagnosis.reason, None));
+        }
         return Ok(remarks);
     }
     let concerns = artifact.record::<ConcernsV2>("/concerns")?.map_or(Vec::new(), |record| record.concerns);
@@ -107,9 +112,7 @@ pub fn remarks_of(artifact: &Artifact) -> Result<Vec<RemarkV1>, ReadError> {
             }
         }
     }
-    if let Some(diagnosis) = artifact.record::<DiagnosisV1>("/diagnosis")?
-        && !all.iter().any(is_no_result)
-    {
+    if let Some(diagnosis) = diagnosis.filter(|_| !all.iter().any(is_no_result)) {
         all.push(no_result(&diagnosis.stage, &diagnosis.reason, None));
     }
     all.sort_by_key(|remark| Reverse(remark.weight));

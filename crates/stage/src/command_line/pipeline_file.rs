@@ -263,9 +263,9 @@ impl Pipeline {
     }
 
     /// Codes of the remarks that its runs may have: they are counted, and speak against nothing.
-    pub fn allowed(&self) -> impl Iterator<Item = &str> {
+    pub fn allowed(&self) -> impl Iterator<Item = String> {
         let list = self.header.get(REMARKS).and_then(|remarks| remarks.get(ALLOW)).and_then(Value::as_array);
-        list.into_iter().flatten().filter_map(Value::as_str)
+        list.into_iter().flatten().filter_map(Value::as_str).map(str::to_ascii_uppercase)
     }
 
     /// The table of a stage.

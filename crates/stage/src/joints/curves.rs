@@ -106,11 +106,11 @@ fn level_of(curve: &Sampled) -> (f64, f64) {
     mean_and_deviation(&quiet)
 }
 
-/// The zero level of a curve that another made of it is without; 0 where it still has it, or none is seen.
+/// The level that a curve made of another is without. A low-pass filter keeps the mean of what lies before the contact,
+/// braking too, so that the difference of both means was taken out.
 fn level_taken_out(curve: &Sampled, made: &Sampled) -> f64 {
-    let ((own, deviation), (of_made, _)) = (level_of(curve), level_of(made));
-    let is_removed = own.abs() > 3.0 * deviation && of_made.abs() < 0.5 * own.abs();
-    if is_removed { own } else { 0.0 }
+    let ((own, _), (of_made, _)) = (level_of(curve), level_of(made));
+    own - of_made
 }
 
 /// The ways that two pulses move a vehicle, m, where they are farthest apart, and the largest of the first.

@@ -15,7 +15,8 @@ pub(crate) static ROWS: [Invariant; 9] = [
             explanation: [
                 "The filtered pulse begins before the record does and is early, or begins after contact where the record \
                  begins before it.",
-                "The first sample of /wave/PULSE is compared with that of 1-ingest; one sampling interval is left. Samples \
+                "The first sample of /wave/PULSE is compared with that of 1-ingest, or with contact where that is later; one \
+                 sampling interval is left. Samples \
                  before the record of a pulse that is not early, as a filter leaves whose delay was taken off, are no \
                  fault (CR203 says how that is decided).",
                 "Every time of the run is late or early by as much, and the crush with it: 20 ms at 15 m/s are 0.3 m.",

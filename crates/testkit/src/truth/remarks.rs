@@ -72,7 +72,9 @@ pub fn unstated_numbers(remark: &Value, explained: &Explained) -> Vec<String> {
         let half = if shown.contains('e') { half * read.abs() } else { half };
         let is_shown =
             |value: f64| FACTORS.iter().any(|factor| ((value * factor).abs() - read).abs() <= half * 1.000_001);
-        numbers.iter().any(|value| is_shown(*value)) || names.contains(shown)
+        let stands_alone =
+            || names.split(|c: char| !(c.is_ascii_digit() || c == '.')).any(|n| n.trim_matches('.') == shown);
+        numbers.iter().any(|value| is_shown(*value)) || stands_alone()
     };
     let found = number.captures_iter(text).map(|found| found[1].to_owned());
     found.filter(|shown| !is_stated(shown)).collect()

@@ -1,7 +1,7 @@
 //! What speaks against a run, ranked by what it does to what is shown.
 
 use crumple_artifact::records::{RemarkV1, SeverityV1};
-use crumple_signal::About;
+use crumple_signal::{About, Weight};
 use crumple_stage::is_no_result;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -37,7 +37,7 @@ impl Concern {
             stage: remark.stage.clone(),
             severity: if is_no_result(remark) { SeverityV1::NoResult } else { SeverityV1::Warning },
             about: subject(remark).to_string(),
-            weight: remark.weight * prominence,
+            weight: Weight::of_number(remark.weight).number() * prominence,
             text: remark.text.clone(),
             remedy: remark.remedy.clone(),
             code: remark.code.clone(),
@@ -103,7 +103,7 @@ pub fn concerns(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<Concern> {
     // Of another record nobody asks for the mass of a vehicle.
     let is_asked = |concern: &Concern| {
         let is_of_it = kind != Kind::InputOutput || !concern.about.parse().is_ok_and(|about| is_of_a_crash(&about));
-        is_of_it && !run.allowed.contains(&concern.code)
+        is_of_it && (concern.is_no_result() || !run.allowed.contains(&concern.code))
     };
     all.retain(is_asked);
     // The sort is stable: equals stay in the order of the stages.
@@ -120,7 +120,7 @@ pub fn concerns(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<Concern> {
     all
 }
 
-/// The remarks behind the concerns of a run, in their order, then what is good to know, as the stages wrote it.
+/// All remarks of a run, strongest first; equals in the order of the concerns.
 pub fn remarks(run: &Run, ranking: &Ranking, kind: Kind, concerns: &[Concern]) -> Vec<RemarkV1> {
     let own = own_remarks(run, ranking, kind);
     let own = own.iter().map(|note| RemarkV1::new("report", note));
@@ -132,7 +132,7 @@ pub fn remarks(run: &Run, ranking: &Ranking, kind: Kind, concerns: &[Concern]) -
         concerns.iter().position(is_of).unwrap_or(concerns.len())
     };
     let mut all: Vec<(usize, RemarkV1)> = all.into_iter().map(|remark| (place(&remark), remark)).collect();
-    all.sort_by_key(|(place, _)| *place);
+    all.sort_by_key(|(place, remark)| (std::cmp::Reverse(remark.weight), *place));
     all.into_iter().map(|(_, remark)| remark).collect()
 }
 

@@ -12,7 +12,7 @@ use std::borrow::Cow;
 
 use crate::findings::conclusions::concerns::{Concern, concerns};
 use crate::findings::conclusions::key_numbers::{bound_of_change, in_ms};
-use crate::findings::conclusions::kind::{Kind, ResultStatus, kind_of, lacks_mass_or_speed, not_stated};
+use crate::findings::conclusions::kind::{Kind, ResultStatus, kind_of, lacks_mass_or_speed, not_stated, subject_of};
 use crate::findings::conclusions::several_tests::{missed, several_tests};
 use crate::findings::conclusions::status::{
     Status, StatusReason, answer, beside, closest_identified, has_only_forces, interval_of_crush, status_reason,
@@ -120,7 +120,7 @@ pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<Concern>) {
         standing,
         language: "en".into(),
         status: Some(reason.status()),
-        record: Some(soundness(run, &concerns)),
+        record: Some(soundness(run, kind, &concerns)),
         good_for: good_for(run, ranking, kind, &concerns),
         status_sentence: reason.status().sentence(&because),
         status_reason: Some(reason),
@@ -187,17 +187,11 @@ impl<'a> Text<'a> {
             }
             Reason::DecisiveWarning { number, about } => {
                 let number = self.number(&at("number"), *number as f64, (1.0, 0, ""));
-                let subject = match about.parse() {
-                    Ok(About::Pulse) => phrases.the_pulse,
-                    Ok(About::Mass) => phrases.the_mass,
-                    Ok(About::ImpactSpeed) => phrases.the_impact_speed,
-                    Ok(About::Time) => phrases.the_time_axis,
-                    Ok(About::Motion) => phrases.the_motion,
-                    Ok(About::Model(_)) => phrases.the_model,
-                    Ok(About::IdentifiedModels) => phrases.the_identified_models,
-                    _ => phrases.the_record,
-                };
-                fill(phrases.because_decisive, &[("subject", subject), ("number", &number)])
+                fill(phrases.because_decisive, &[("subject", subject_of(about)), ("number", &number)])
+            }
+            Reason::Check { number, about } => {
+                let number = self.number(&at("number"), *number as f64, (1.0, 0, ""));
+                fill(phrases.because_check, &[("subject", subject_of(about)), ("number", &number)])
             }
             Reason::PoorFit { fit_percent, limit_percent } => {
                 let texts = [

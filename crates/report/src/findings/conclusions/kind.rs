@@ -2,7 +2,7 @@
 
 use crate::phrases::PHRASES;
 use crumple_signal::key_quantities::MAXIMUM_DELTA_V;
-use crumple_signal::{ANOTHER_VEHICLE, part_of};
+use crumple_signal::{ANOTHER_VEHICLE, About, part_of};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -90,5 +90,20 @@ pub fn not_stated(run: &Run) -> &'static str {
         (None, None) => phrases.not_stated_both,
         (None, Some(_)) => phrases.not_stated_mass,
         _ => phrases.not_stated_speed,
+    }
+}
+
+/// What a warning is about, as the status says it.
+pub fn subject_of(about: &str) -> &'static str {
+    let phrases = &PHRASES.conclusion;
+    match about.parse() {
+        Ok(About::Pulse) => phrases.the_pulse,
+        Ok(About::Mass) => phrases.the_mass,
+        Ok(About::ImpactSpeed) => phrases.the_impact_speed,
+        Ok(About::Time) => phrases.the_time_axis,
+        Ok(About::Motion) => phrases.the_motion,
+        Ok(About::Model(_)) => phrases.the_model,
+        Ok(About::IdentifiedModels) => phrases.the_identified_models,
+        _ => phrases.the_record,
     }
 }

@@ -48,6 +48,12 @@ pub fn overview(run: &Run, ranking: &Ranking, summary: &Summary, folder: &Path) 
         may_be_cut: false,
     };
     lines.extend(verdict.answers().map(|(label, text)| line(label, text)));
+    if !summary.allowed.is_empty() {
+        let codes: Vec<&str> = summary.allowed.keys().map(String::as_str).collect();
+        let count = summary.allowed.values().sum::<usize>().to_string();
+        let texts = [("count", count), ("codes", codes.join(", "))];
+        lines.push(line(phrases.allowed_label, fill(phrases.allowed, &texts)));
+    }
     // Of an occupant's sensor these are no numbers of the vehicle.
     let of_vehicle = verdict.kind != Kind::Occupant;
     for number in key_numbers.iter().filter(|number| of_vehicle && !number.quantity().console.is_empty()) {
@@ -89,14 +95,8 @@ pub fn overview(run: &Run, ranking: &Ranking, summary: &Summary, folder: &Path) 
         let (code, may_be_cut) = (concern.code.clone(), number > 0 || !decisive);
         lines.push(OverviewLine { code, may_be_cut, ..line(label, text) });
     }
-    if !run.contradictions.is_empty() {
+    if run.contradictions.iter().any(|found| !run.allowed.contains(&found.code)) {
         lines.push(line("", format!("{}: {} {}", phrases.explains, program("artifact explain"), folder.display())));
-    }
-    if !summary.allowed.is_empty() {
-        let codes: Vec<&str> = summary.allowed.keys().map(String::as_str).collect();
-        let count = summary.allowed.values().sum::<usize>().to_string();
-        let texts = [("count", count), ("codes", codes.join(", "))];
-        lines.push(line("", fill(phrases.allowed, &texts)));
     }
     if others > 0 {
         let count = match others {

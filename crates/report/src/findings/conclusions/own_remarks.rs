@@ -47,7 +47,8 @@ remarks! {
     /// A model for several tests misses the crush of one of them when it is predicted from the others.
     CR804 TestsDisagree { tests: String }
     bears on (About::Predictions, Weight::Decisive)
-    decided "Each test is predicted from the others; its measured crush lies outside of the 90 % interval."
+    decided "Each test is predicted from the others; its measured crush lies outside of the 90 % interval and is more \
+             than 3 % off."
     means "The tests may not be of one structure. Predictions of the joint model may be off by as much."
     remedy "leave out the test that differs, or quote predictions with that error"
     says fill(PHRASES.joint.warn_missed, &[("tests", tests)]);
@@ -64,7 +65,8 @@ remarks! {
     /// Parameters of the recommended model are not identifiable from the record.
     CR806 NotIdentifiable { id: String, model: String, names: String }
     bears on (About::Model(id.clone()), Weight::Decisive)
-    decided "The 95 % interval of the parameter has no end, or reaches the limit of the search."
+    decided "The value is at a limit of the search that is not zero, both ends of its 95 % interval are unknown, or its \
+             standard deviation is as large as the value."
     means "Any value within the interval follows the record as well. Quote no value for it."
     remedy "use the crush of the model, not these parameters; a second test at another speed narrows them"
     says fill(PHRASES.conclusion.warn_open, &[("names", names), ("model", model)]);
@@ -72,7 +74,8 @@ remarks! {
     /// Parameters of the recommended model have wide intervals.
     CR807 WideIntervals { id: String, model: String, names: String }
     bears on (About::Model(id.clone()), Weight::Marked)
-    decided "The 95 % interval is known, but too wide for more than an order of magnitude."
+    decided "One end of the 95 % interval is unknown, or the upper end is over ten times the lower one. A parameter at \
+             zero counts by how large it could be (docs/report.md)."
     means "The value is a guide only. The motion of the model holds."
     remedy "quote the interval instead of the value"
     says fill(PHRASES.conclusion.warn_hardly, &[("names", names), ("model", model)]);
@@ -84,6 +87,14 @@ remarks! {
     means "The structure behind the tested crush was not loaded: its force is assumed, and the interval says how widely."
     remedy "use predictions up to the crush of the test, or add a faster test with crumple together"
     says fill(PHRASES.conclusion.warn_extrapolates, &[("crush", words::quantity(MILLI * crush_m, 0, "mm"))]);
+
+    /// The file states a fact of the test.
+    CR809 StatedInFile { fact: String }
+    bears on (About::Record, Weight::None)
+    decided "The reader of the file keeps what it states beside channels, mass and speed."
+    means "Nothing is computed from it."
+    remedy "nothing"
+    says fact.clone();
 }
 
 /// What follows from typed fields of the results.

@@ -7,9 +7,10 @@ use crumple_lumped::{ParameterKind, parameter_kind};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::findings::conclusions::concerns::{Concern, decisive_warning};
+use crate::findings::conclusions::concerns::{Concern, decisive_warning, is_of_the_test, warnings};
 use crate::findings::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::findings::conclusions::kind::{Kind, lacks_mass_or_speed};
+use crate::findings::conclusions::uses::{MARKED, Soundness, soundness};
 use crate::findings::{CandidateResult, Model, Ranking, Run};
 
 /// Largest half width of the interval of a predicted crush of which nothing has to be said, percent of the crush.
@@ -137,6 +138,11 @@ pub enum StatusReason {
         number: usize,
         about: String,
     },
+    /// The warning of this number, counted from 1, asks to check what the test is. `about`: as in `concerns`.
+    Check {
+        number: usize,
+        about: String,
+    },
     /// No identified model describes the record.
     NotAdequate,
     /// No model of the crash describes it; what was measured holds.
@@ -167,8 +173,18 @@ impl StatusReason {
     }
 }
 
-/// The reason of the status of a run.
+/// The reason of the status of a run: what limits its answers, else what of its record is to be checked.
 pub fn status_reason(run: &Run, ranking: &Ranking, kind: Kind, concerns: &[Concern]) -> StatusReason {
+    let reason = reason_of_answers(run, ranking, kind, concerns);
+    if reason.status() != Status::Usable || soundness(run, kind, concerns) == Soundness::Sound {
+        return reason;
+    }
+    let marked =
+        warnings(concerns).zip(1..).find(|(concern, _)| is_of_the_test(run, concern) && concern.weight >= MARKED);
+    marked.map_or(reason, |(concern, number)| StatusReason::Check { number, about: concern.about.clone() })
+}
+
+fn reason_of_answers(run: &Run, ranking: &Ranking, kind: Kind, concerns: &[Concern]) -> StatusReason {
     use StatusReason as Reason;
     match kind {
         Kind::NoModel => return Reason::NoResult,

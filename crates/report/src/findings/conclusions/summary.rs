@@ -11,7 +11,7 @@ use schemars::JsonSchema;
 use serde::de::Error as _;
 use serde::{Deserialize, Serialize};
 
-use crate::findings::conclusions::concerns::{Concern, remarks};
+use crate::findings::conclusions::concerns::{Concern, remarks, warnings};
 use crate::findings::conclusions::conclusion::{Conclusion, conclusion};
 use crate::findings::conclusions::distinct_curves::{DistinctCurve, distinct_curves};
 use crate::findings::conclusions::key_numbers::{KeyNumber, key_numbers};
@@ -91,7 +91,7 @@ pub struct Summary {
     pub allowed: BTreeMap<String, usize>,
     /// `stage: text`.
     pub notes: Vec<String>,
-    /// How many of the notes are warnings.
+    /// How many warnings there are, those of the report too.
     pub warnings: Option<usize>,
     pub other_channels: Vec<String>,
     pub missing: Vec<String>,
@@ -222,6 +222,7 @@ pub struct MatchingSummary {
 pub fn summary(run: &Run, ranking: &Ranking) -> Summary {
     let (verdict, concerns) = conclusion(run, ranking);
     let remarks = remarks(run, ranking, verdict.kind, &concerns);
+    let warnings = warnings(&concerns).count();
     let channel = run.channel_id();
     let choice = run.recommendation.as_ref();
     let test = &run.test;
@@ -282,7 +283,7 @@ pub fn summary(run: &Run, ranking: &Ranking) -> Summary {
         remarks,
         concerns,
         notes: run.remarks.iter().filter(|remark| !is_no_result(remark)).map(as_text).collect(),
-        warnings: Some(run.remarks.iter().filter(|remark| remark.is_warning() && !is_no_result(remark)).count()),
+        warnings: Some(warnings),
         other_channels: owned(test.channels.iter().map(|c| c.id.as_str()).filter(|id| Some(*id) != channel).collect()),
         missing: run.missing.clone(),
         programs: run.provenance.iter().filter_map(|record| record.program.clone()).collect(),

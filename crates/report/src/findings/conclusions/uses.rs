@@ -95,12 +95,16 @@ impl Conclusion {
 }
 
 /// Weights of concerns of the record, which the first screen shows: three times those of remarks.
-const MARKED: u8 = 6;
+pub const MARKED: u8 = 6;
 const DECISIVE: u8 = 9;
 
-/// Whether the record is sound: the gravest warning about what the test is.
-pub fn soundness(run: &Run, concerns: &[Concern]) -> Soundness {
-    let about_the_test = warnings(concerns).filter(|concern| is_of_the_test(run, concern));
+/// Whether the record is sound: the gravest warning about what the test is. What programs contradict each other in is no
+/// fault of the record, and that a sensor sits in an occupant is known of a record of one.
+pub fn soundness(run: &Run, kind: Kind, concerns: &[Concern]) -> Soundness {
+    let is_contradiction = |concern: &Concern| run.contradictions.iter().any(|found| found.code == concern.code);
+    let is_of_place = |concern: &Concern| kind == Kind::Occupant && concern.about.parse() == Ok(About::Pulse);
+    let about_the_test = warnings(concerns)
+        .filter(|concern| is_of_the_test(run, concern) && !is_contradiction(concern) && !is_of_place(concern));
     match about_the_test.map(|concern| concern.weight).max() {
         Some(DECISIVE..) => Soundness::Wrong,
         Some(MARKED..) => Soundness::Check,
@@ -116,7 +120,13 @@ pub fn good_for(run: &Run, ranking: &Ranking, kind: Kind, concerns: &[Concern]) 
         decisive.into_iter().any(|concern| is_of(&concern))
     };
     match kind {
-        Kind::Occupant => return vec![Use::OccupantCriteria],
+        Kind::Occupant => {
+            let is_against = |concern: &&Concern| {
+                matches!(concern.about.parse(), Ok(About::Occupants | About::Time)) && concern.weight >= DECISIVE
+            };
+            let is_open = warnings(concerns).find(is_against).is_none();
+            return is_open.then_some(Use::OccupantCriteria).into_iter().collect();
+        }
         Kind::InputOutput => return of_identified(run).is_none().then_some(Use::IdentifiedModes).into_iter().collect(),
         _ => {}
     }
@@ -135,7 +145,15 @@ pub fn good_for(run: &Run, ranking: &Ranking, kind: Kind, concerns: &[Concern]) 
     }
     let best = ranking.best.as_deref().and_then(|id| run.candidate(id));
     if let Some(best) = best.filter(|_| is_known_speed && kind != Kind::TwoVehicles && !in_doubt(&[About::Mass])) {
-        uses.extend(of_model(run, best));
+        // What contradicts about the model, and tests that it misses, take its answers away.
+        let is_against = |concern: &&Concern| match concern.about.parse() {
+            Ok(About::Model(name)) => concern.stage != "report" && name == best.id && concern.weight >= DECISIVE,
+            Ok(About::Predictions) => concern.weight >= MARKED,
+            _ => false,
+        };
+        if warnings(concerns).find(is_against).is_none() {
+            uses.extend(of_model(run, best));
+        }
     }
     uses
 }

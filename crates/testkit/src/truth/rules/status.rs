@@ -21,6 +21,7 @@ pub const WORDS: &[&str] = &["conclusion.usable_with_care", "conclusion.usable",
 pub const BECAUSE: &[&str] = &[
     "conclusion.because_good_to",
     "conclusion.because_beyond",
+    "conclusion.because_check",
     "conclusion.because_sensors",
     "conclusion.because_few_forces",
     "conclusion.because_few_parameters",
@@ -98,6 +99,9 @@ pub const RULES: &[Rule] = &[
         holds(!has, || "the recommended model has intervals".to_owned())
     }),
     rule("conclusion.sensors_differ", &[("low", Number), ("high", Number), ("count", Number)], sensors_of_one_place),
+    rule("conclusion.because_check", &[("subject", Words), ("number", Number)], |_, spot| {
+        holds(spot.made.text("/verdict/record") == "check", || "nothing of the record is to be checked".to_owned())
+    }),
     rule("conclusion.because_dual", &[], crate::truth::rules::models::one_sensor_and_several_masses),
     rule("conclusion.because_misses_its_test", &[("events", Words)], misses_its_test),
     rule("conclusion.because_weak", &[("model", Words)], names_a_candidate),
