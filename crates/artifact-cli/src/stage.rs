@@ -21,7 +21,7 @@ use crumple_stage::joints::{contradictions, invariants};
 use crumple_stage::{
     Call, ExitStatus, Pipeline, Program, Refused, Usage, artifacts_of_a_run, chain, columns, keep_budget, kinds,
     labelled, load_artifacts, nearest, printable, program, refuse_a_mixture, refuse_to_overwrite, refuse_unknown_code,
-    remarks_of, results_of_an_earlier_run, run_tool, say, to_stdout, unknown_name, wrapped,
+    remarks_of, results_of_an_earlier_run, run_tool, say, to_stdout, wrapped,
 };
 use serde::de::DeserializeOwned;
 

@@ -4,7 +4,6 @@ use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crate::phrases::PHRASES;
 use crate::phrases::words::{self, fill};
 use crumple_artifact::records::{MetricV1, ModeV1, PredictedIntervalV1, PredictionV1, StabilizationV1};
-use crumple_signal::About;
 use crumple_signal::key_quantities::{CRUSH, DELTA_V, KeyQuantity, OLC, PEAK, STIFFNESS, STROKE};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
