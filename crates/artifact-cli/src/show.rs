@@ -84,8 +84,8 @@ impl StageNotes {
         Ok(Self(all, Vec::new()))
     }
 
-    /// The same with the warnings of a run's `summary.json`, which weighs them by what it shows. Those that its pipeline
-    /// allows stand behind them.
+    /// The same with the warnings of a run's `summary.json`, which weighs them by what it shows. Those that its
+    /// pipeline allows stand behind them.
     #[must_use]
     pub fn ranked_as(mut self, concerns: Vec<RemarkV1>, allowed: &[String]) -> Self {
         self.0.retain(|remark| !remark.is_warning() || allowed.contains(&remark.code));

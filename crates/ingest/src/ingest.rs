@@ -12,7 +12,7 @@ use crate::checks::exchanges::Answer;
 use crate::checks::{channel_quality, exchanges};
 use crate::error::{Question, Refusal};
 use crate::files::open;
-use crate::formats::reader::{Bundle, stem};
+use crate::formats::reader::{Bundle, Reader, stem};
 use crate::pulse::Polarity;
 use crate::recording::content::{ReadChannel, Recording, Wave};
 use crate::recording::details::{self, Details, Stated};
@@ -133,6 +133,12 @@ fn refuse_slow_times(bundle: &Bundle, ingested: &Ingested, answer: Option<&str>,
 }
 
 /// [`ingest`] without the question for an exchange.
+/// Warns of flags that records of a format do not listen to.
+fn warn_of_flags(choices: &IngestSettings, reader: &Reader, notes: &mut Notes) {
+    let why = format!("a record of the format {} states this itself, or has no such thing", reader.format);
+    settings::warn_except(choices, reader.relevant_flags, &why, notes);
+}
+
 fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
     let file = bundle.name.as_str();
     let stated_in_sidecar = open::settings(bundle)?.with_number_of_vehicle();
@@ -140,8 +146,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
     let choices = flags.over(&stated_in_sidecar);
     let (reader, mut recording) = (bundle.reader, recording_of(bundle, &choices)?);
     let mut notes = std::mem::take(&mut recording.notes);
-    let why = format!("a record of the format {} states this itself, or has no such thing", reader.format);
-    settings::warn_except(&choices, reader.relevant_flags, &why, &mut notes);
+    warn_of_flags(&choices, reader, &mut notes);
     let allow_missing = choices.allow_missing.unwrap_or(false) || recording.details.no_pulse;
     // A velocity is named as the pulse, and has none of the checks of an acceleration.
     let (pulse, velocity) = if recording.details.no_pulse {

@@ -422,9 +422,9 @@ remarks! {
     bears on (About::ImpactSpeed, Weight::Marked)
     decided "The velocity is positive where 20 ms change it by no more than 0.8 km/h (49 CFR 563.5). The change of \
              velocity over one and a restitution of 0.15 (0.05 to 0.3) is the speed that fits."
-    means "A full impact on a rigid wall stops the vehicle: then the speed is wrong, and the motion with it. A glancing \
-           impact, a small overlap say, or a partner that gives way, leaves the vehicle speed: then delta-v holds, \
-           and there is no dynamic crush."
+    means "A full impact on a rigid wall stops the vehicle: then the speed is wrong, and the motion with it. A \
+           glancing impact, a small overlap say, or a partner that gives way, leaves the vehicle speed: then delta-v \
+           holds, and there is no dynamic crush."
     remedy "check the impact speed; where the impact was glancing, state it: crumple run RECORD --overlap glancing"
     says format!(
         "check the impact speed ({:.1} km/h): the car would not stop, it would still move at {:.0} km/h. {} whether \

@@ -61,8 +61,8 @@ pub struct Options {
     #[arg(long, value_name = "STAGE.OPTION=VALUE", conflicts_with = "again")]
     pub(crate) set: Vec<String>,
 
-    /// Ends with exit code 4 where the run remarks such a code (`CR203`), its record is `check` or `wrong`, or its status
-    /// is `usable-with-care` or `do-not-use`; the graver word fails with the lighter one. For CI.
+    /// Ends with exit code 4 where the run remarks such a code (`CR203`), its record is `check` or `wrong`, or its
+    /// status is `usable-with-care` or `do-not-use`; the graver word fails with the lighter one. For CI.
     #[arg(long, value_name = "CODE|WORD,...", value_delimiter = ',')]
     pub(crate) fail_on: Vec<FailOn>,
 

@@ -86,8 +86,8 @@ pub(crate) static ROWS: [Invariant; 7] = [
             weight: Weight::Decisive,
             explanation: [
                 "A candidate is recommended that does not repeat its own test.",
-                "Its simulated dynamic crush is compared with that of /events, where the recommendation does not rate it; \
-                 3.5 % is left, as for every candidate (docs/methods/prediction.md).",
+                "Its simulated dynamic crush is compared with that of /events, where the recommendation does not rate \
+                 it; 3.5 % is left, as for every candidate (docs/methods/prediction.md).",
                 "What it predicts of other speeds is wrong by at least as much.",
                 "recommend no candidate that misses its test, or write its parameters in SI units",
             ],
@@ -101,9 +101,9 @@ pub(crate) static ROWS: [Invariant; 7] = [
             weight: Weight::Decisive,
             explanation: [
                 "A candidate was compared with the test with other parameters than it was simulated with.",
-                "crush_error of its evaluation, else of its rating, says what crush it has at the speed of the test; its \
-                 simulated crush is compared with that, and 1 % is left. Not asked where something else than the impact \
-                 moves the model.",
+                "crush_error of its evaluation, else of its rating, says what crush it has at the speed of the test; \
+                 its simulated crush is compared with that, and 1 % is left. Not asked where something else than the \
+                 impact moves the model.",
                 "Its agreement with the test, or else its curves, are those of other parameters.",
                 "evaluate and simulate the parameters that are written, at the speed of the test",
             ],

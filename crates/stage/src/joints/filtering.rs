@@ -13,12 +13,11 @@ pub(crate) static ROWS: [Invariant; 9] = [
             code: "CR201",
             weight: Weight::Decisive,
             explanation: [
-                "The filtered pulse begins before the record does and is early, or begins after contact where the record \
-                 begins before it.",
-                "The first sample of /wave/PULSE is compared with that of 1-ingest, or with contact where that is later; one \
-                 sampling interval is left. Samples \
-                 before the record of a pulse that is not early, as a filter leaves whose delay was taken off, are no \
-                 fault (CR203 says how that is decided).",
+                "The filtered pulse begins before the record does and is early, or begins after contact where the \
+                 record begins before it.",
+                "The first sample of /wave/PULSE is compared with that of 1-ingest, or with contact where that is \
+                 later; one sampling interval is left. Samples before the record of a pulse that is not early, as a \
+                 filter leaves whose delay was taken off, are no fault (CR203 says how that is decided).",
                 "Every time of the run is late or early by as much, and the crush with it: 20 ms at 15 m/s are 0.3 m.",
                 "keep t0_ns and dt_s of the wave in the program of the stage filter",
             ],
@@ -32,11 +31,11 @@ pub(crate) static ROWS: [Invariant; 9] = [
             weight: Weight::Marked,
             explanation: [
                 "The filtered pulse ends elsewhere than the record does.",
-                "The last samples are compared; 5 ms and one sampling interval of the coarser one are left: a filter whose \
-                 delay was taken off ends as much earlier, and four poles of 100 Hz, CFC 60 run one way, are late by \
-                 2.61/(2π 100 Hz) = 4.2 ms.",
-                "What happens later is not in any result, or what never happened is: another number of samples, or another \
-                 sampling interval, was written.",
+                "The last samples are compared; 5 ms and one sampling interval of the coarser one are left: a filter \
+                 whose delay was taken off ends as much earlier, and four poles of 100 Hz, CFC 60 run one way, are \
+                 late by 2.61/(2π 100 Hz) = 4.2 ms.",
+                "What happens later is not in any result, or what never happened is: another number of samples, or \
+                 another sampling interval, was written.",
                 "write all samples of the pulse, with their dt_s, in the program of the stage filter",
             ],
         },
@@ -49,10 +48,10 @@ pub(crate) static ROWS: [Invariant; 9] = [
             weight: Weight::Decisive,
             explanation: [
                 "The filtered pulse is late or early: its filter has a delay, or its time axis begins elsewhere.",
-                "The ways that both add up to 150 ms, each over its change of velocity, are compared: a delay takes itself \
-                 off, and a gain nothing. A filter run forward and backward has none (ISO 6487 and SAE J211 ask for \
-                 that); more than one sampling interval and 1 ms are named: noise and zero levels of made records come \
-                 to 0.4 ms. Not asked where CR204 or CR207 is.",
+                "The ways that both add up to 150 ms, each over its change of velocity, are compared: a delay takes \
+                 itself off, and a gain nothing. A filter run forward and backward has none (ISO 6487 and SAE J211 \
+                 ask for that); more than one sampling interval and 1 ms are named: noise and zero levels of made \
+                 records come to 0.4 ms. Not asked where CR204 or CR207 is.",
                 "The crush is off by the impact speed times the delay: too large where the pulse is late.",
                 "run the filter forward and backward (filtfilt for lfilter), or take its delay off t0_ns",
             ],
@@ -65,8 +64,8 @@ pub(crate) static ROWS: [Invariant; 9] = [
             code: "CR204",
             weight: Weight::Decisive,
             explanation: [
-                "The filtered pulse changes the velocity by less than half of what the record does, by more than twice as \
-                 much, or the other way.",
+                "The filtered pulse changes the velocity by less than half of what the record does, by more than \
+                 twice as much, or the other way.",
                 "Both are integrated over the record; decided as CR207, with a factor of 2 in place of 4 %.",
                 "A sign or a unit is another one: every number that is integrated is wrong by it.",
                 "write m/s^2 with the sign of the record and all samples in the program of the stage filter",
@@ -109,10 +108,10 @@ pub(crate) static ROWS: [Invariant; 9] = [
             weight: Weight::Decisive,
             explanation: [
                 "The filtered pulse changes the velocity by another amount than the record.",
-                "Both are integrated over the record. A low-pass filter keeps the area; what a zero level between none and \
-                 that of the samples before contact changes, with three deviations of it, is left, and 4 % of the change: \
-                 Butterworth filters of 60 to 300 Hz, run both ways from rest, change it by 0.6 to 2.9 % on the fixtures, \
-                 moving averages by 0.02 %.",
+                "Both are integrated over the record. A low-pass filter keeps the area; what a zero level between \
+                 none and that of the samples before contact changes, with three deviations of it, is left, and 4 % \
+                 of the change: Butterworth filters of 60 to 300 Hz, run both ways from rest, change it by 0.6 to 2.9 \
+                 % on the fixtures, moving averages by 0.02 %.",
                 "A gain, an offset or cut samples: every number that is integrated is wrong by it.",
                 "write all samples without a gain or an offset in the program of the stage filter",
             ],
@@ -126,10 +125,10 @@ pub(crate) static ROWS: [Invariant; 9] = [
             weight: Weight::Decisive,
             explanation: [
                 "The filter is so slow that the way of the vehicle is another one.",
-                "Both pulses are integrated twice from the impact speed up to the largest displacement, 150 ms at most, \
-                 without the zero level that the filter took out; 2 % of that displacement is left, and what three \
-                 deviations of the zero level add. A moving average over w moves it by w²/24 times \
-                 the deceleration: 1.1 % of 0.7 m at 20 g for 30 ms, 3 % for 50 ms. The classes of SAE J211 stay below \
+                "Both pulses are integrated twice from the impact speed up to the largest displacement, 150 ms at \
+                 most, without the zero level that the filter took out; 2 % of that displacement is left, and what \
+                 three deviations of the zero level add. A moving average over w moves it by w²/24 times the \
+                 deceleration: 1.1 % of 0.7 m at 20 g for 30 ms, 3 % for 50 ms. The classes of SAE J211 stay below \
                  0.1 %. Not asked where CR203, CR204 or CR207 is.",
                 "The crush, its time and every model are those of a longer pulse.",
                 "filter less in the program of the stage filter: class CFC 60 for the motion of a vehicle",
@@ -144,8 +143,8 @@ pub(crate) static ROWS: [Invariant; 9] = [
             weight: Weight::Decisive,
             explanation: [
                 "No acceleration is left after the filter.",
-                "1-ingest has the wave of the pulse, and 2-filter no wave of an acceleration under the id of a channel; \
-                 one that ended without a result says so itself.",
+                "1-ingest has the wave of the pulse, and 2-filter no wave of an acceleration under the id of a \
+                 channel; one that ended without a result says so itself.",
                 "Nothing can be integrated.",
                 "write the filtered samples under the id of the pulse in the program of the stage filter",
             ],

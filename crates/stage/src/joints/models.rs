@@ -16,8 +16,9 @@ pub(crate) static ROWS: [Invariant; 4] = [
             weight: Weight::Decisive,
             explanation: [
                 "The matrices of a model do not fit together.",
-                "A model of order n has a of n rows of n numbers, b of n rows, c of n columns, d as many rows as c and as \
-                 many columns as b (docs/format.md, StateSpace); a transfer function has a denominator that starts with 1.",
+                "A model of order n has a of n rows of n numbers, b of n rows, c of n columns, d as many rows as c \
+                 and as many columns as b (docs/format.md, StateSpace); a transfer function has a denominator that \
+                 starts with 1.",
                 "There is no such model: nothing can be computed from it.",
                 "write matrices of one order in the program of the stage identify",
             ],
@@ -31,8 +32,8 @@ pub(crate) static ROWS: [Invariant; 4] = [
             weight: Weight::Decisive,
             explanation: [
                 "A mode is no pole of its model.",
-                "Each mode is compared with the eigenvalues of a; of a sampled model they are ln(z)/T. 1 % of the pole is \
-                 left.",
+                "Each mode is compared with the eigenvalues of a; of a sampled model they are ln(z)/T. 1 % of the \
+                 pole is left.",
                 "Modes and model are of different systems.",
                 "read the modes off the matrix a that is written",
             ],
@@ -46,8 +47,8 @@ pub(crate) static ROWS: [Invariant; 4] = [
             weight: Weight::Decisive,
             explanation: [
                 "Frequency or damping of a mode are not those of its pole.",
-                "The natural frequency is |p| in rad/s, the damping ratio -Re p/|p| (docs/format.md, Modes); 1 % and 0.01 \
-                 are left.",
+                "The natural frequency is |p| in rad/s, the damping ratio -Re p/|p| (docs/format.md, Modes); 1 % and \
+                 0.01 are left.",
                 "A frequency in Hz is 6.28 times too small: stiffness made from it is 39 times too small.",
                 "write natural_frequency_rad_per_s in rad/s and the damping ratio of the pole",
             ],

@@ -20,9 +20,9 @@ pub(crate) static ROWS: [Invariant; 10] = [
             weight: Weight::Decisive,
             explanation: [
                 "The velocity is not the integral of the acceleration.",
-                "From contact on both are compared, sample by sample. What is left is 4 % of the range of the velocity \
-                 beside a straight line, which a drift that was taken out makes: other rules of integration and a rate of \
-                 1 kHz stay below 1 %.",
+                "From contact on both are compared, sample by sample. What is left is 4 % of the range of the \
+                 velocity beside a straight line, which a drift that was taken out makes: other rules of integration \
+                 and a rate of 1 kHz stay below 1 %.",
                 "A unit, a sign or a time axis is wrong: crush, delta-v and every model are made from this velocity.",
                 INTEGRATE,
             ],
@@ -36,8 +36,8 @@ pub(crate) static ROWS: [Invariant; 10] = [
             weight: Weight::Decisive,
             explanation: [
                 "The displacement is not the integral of the velocity.",
-                "From contact on both are compared, sample by sample; 2 % of the range of the displacement and 1 mm are \
-                 left.",
+                "From contact on both are compared, sample by sample; 2 % of the range of the displacement and 1 mm \
+                 are left.",
                 "A unit, a sign or a time axis is wrong: models are fitted to this displacement.",
                 INTEGRATE,
             ],
@@ -51,8 +51,8 @@ pub(crate) static ROWS: [Invariant; 10] = [
             weight: Weight::Decisive,
             explanation: [
                 "The velocity does not begin with the impact speed, or two impact speeds are stated.",
-                "The velocity at contact, or where the integration begins, and the speed of /test are compared with that \
-                 of /events; 1 % and 0.05 m/s are left. What a filter spreads before contact is in between.",
+                "The velocity at contact, or where the integration begins, and the speed of /test are compared with \
+                 that of /events; 1 % and 0.05 m/s are left. What a filter spreads before contact is in between.",
                 "Energy and crush go with the square of the speed: one of both is wrong.",
                 READ_OFF,
             ],
@@ -82,8 +82,8 @@ pub(crate) static ROWS: [Invariant; 10] = [
             weight: Weight::Decisive,
             explanation: [
                 "Impact speed, rebound, restitution and delta-v do not fit together.",
-                "Delta-v is the impact speed less the rebound velocity, restitution their ratio (docs/format.md, Events); \
-                 1 % of the impact speed is left.",
+                "Delta-v is the impact speed less the rebound velocity, restitution their ratio (docs/format.md, \
+                 Events); 1 % of the impact speed is left.",
                 "One of them is wrong, and predictions start from them.",
                 READ_OFF,
             ],
@@ -126,8 +126,8 @@ pub(crate) static ROWS: [Invariant; 10] = [
             weight: Weight::Decisive,
             explanation: [
                 "The force is not mass times deceleration.",
-                "The force of the pulse is compared with the mass of /test times the acceleration; 3 % of its range are \
-                 left.",
+                "The force of the pulse is compared with the mass of /test times the acceleration; 3 % of its range \
+                 are left.",
                 "A unit or the mass is another one: stiffness goes with the force.",
                 "write N in the program of the stage integrate",
             ],
@@ -141,10 +141,11 @@ pub(crate) static ROWS: [Invariant; 10] = [
             weight: Weight::Decisive,
             explanation: [
                 "A motion was integrated, and nobody says what its events are.",
-                "/events is looked for beside /wave/PULSE/displacement in 3-integrate of a vehicle that /test gives a mass \
-                 and an impact speed.",
+                "/events is looked for beside /wave/PULSE/displacement in 3-integrate of a vehicle that /test gives a \
+                 mass and an impact speed.",
                 "Without contact, crush and its time nothing can be fitted.",
-                "write /events in the program of the stage integrate: CONTRACT.md of crumple new-stage integrate lists it",
+                "write /events in the program of the stage integrate: CONTRACT.md of crumple new-stage integrate \
+                 lists it",
             ],
         },
         ends_the_run: true,
@@ -156,11 +157,12 @@ pub(crate) static ROWS: [Invariant; 10] = [
             weight: Weight::Decisive,
             explanation: [
                 "The velocity has a drift that the acceleration has not, and nobody says that it was taken out.",
-                "The straight line between the velocity and the integral of the acceleration, from contact to the end, is \
-                 compared with the metric drift_correction of the channel; 1 m/s² is left, twice the uncertainty of a zero \
-                 level of 0.05 g.",
+                "The straight line between the velocity and the integral of the acceleration, from contact to the \
+                 end, is compared with the metric drift_correction of the channel; 1 m/s² is left, twice the \
+                 uncertainty of a zero level of 0.05 g.",
                 "The crush is off by half of it times the square of the time of crush: 26 mm for 8 m/s² at 80 ms.",
-                "write what was taken out as the metric drift_correction in m/s^2, or integrate the samples as they are",
+                "write what was taken out as the metric drift_correction in m/s^2, or integrate the samples as they \
+                 are",
             ],
         },
         ends_the_run: false,

@@ -60,9 +60,10 @@ pub(crate) static ROWS: [Invariant; 6] = [
             weight: Weight::Decisive,
             explanation: [
                 "Numbers of one prediction contradict each other, or two predictions.",
-                "Against the wall delta-v is the impact speed times one and the restitution, the energy at impact half the \
-                 mass times the speed squared, and the crush at most speed times its time; 1 % is left of each, what \
-                 programs round by. A candidate of one mass is crushed no less at a higher speed; 1 % is left.",
+                "Against the wall delta-v is the impact speed times one and the restitution, the energy at impact \
+                 half the mass times the speed squared, and the crush at most speed times its time; 1 % is left of \
+                 each, what programs round by. A candidate of one mass is crushed no less at a higher speed; 1 % is \
+                 left.",
                 "One of the numbers is of another collision, and which cannot be told.",
                 "write the numbers of one collision in the program of the stage predict",
             ],
@@ -76,9 +77,9 @@ pub(crate) static ROWS: [Invariant; 6] = [
             weight: Weight::Decisive,
             explanation: [
                 "A prediction goes beyond the test and says that it does not extrapolate.",
-                "Energy and crush of predictions against the wall are compared with those of the test: 15 % more energy \
-                 and 7 % more crush, twice what an adequate candidate may miss, are beyond it. Not asked of a fit to \
-                 several tests.",
+                "Energy and crush of predictions against the wall are compared with those of the test: 15 % more \
+                 energy and 7 % more crush, twice what an adequate candidate may miss, are beyond it. Not asked of a \
+                 fit to several tests.",
                 "No part of the record shows what the structure does there: the number is less sure than it says.",
                 "set extrapolates where the structure is crushed further than in the test",
             ],
@@ -93,8 +94,8 @@ pub(crate) static ROWS: [Invariant; 6] = [
             explanation: [
                 "Predictions that were asked for are missing, or others stand in their place.",
                 "Speeds and masses of the table [predict] of the pipeline are looked for among the predictions of the \
-                 recommended candidate; 0.5 % is left. Without a mass it is that of the test. Not asked where 7-predict \
-                 states options of its own.",
+                 recommended candidate; 0.5 % is left. Without a mass it is that of the test. Not asked where \
+                 7-predict states options of its own.",
                 "The number that somebody looks for is not there, or that beside it is of another impact.",
                 "predict every speed of the pipeline: the program of the stage predict is given its file by --pipeline",
             ],

@@ -270,8 +270,8 @@ remarks! {
     /// Only the leading singular values of a large Hankel matrix were computed.
     CR468 LanczosValues { id: String, values: usize, steps: usize, converged: usize }
     bears on (About::IdentifiedModels, Weight::None)
-    decided "Matrices with more than 64 rows and columns are not formed. Lanczos steps give the leading values: converged ones err by 1e-9 \
-             of the largest at most, the others by 3 % of themselves."
+    decided "Matrices with more than 64 rows and columns are not formed. Lanczos steps give the leading values: \
+             converged ones err by 1e-9 of the largest at most, the others by 3 % of themselves."
     means "The model is made from converged values. The others only show where the singular values level off."
     remedy "nothing; --rows or --columns up to 64 compute all of them"
     says format!(

@@ -52,8 +52,8 @@ remarks! {
            crush is rough."
     remedy "quote delta-v; take peak, force and stiffness from an accelerometer"
     says "event data recorder table: the velocity change is cumulative and coarse (as a rule 10 ms, whole km/h or \
-          mph), and how the recorder filtered it is not stated: peak acceleration and force cannot be taken from it, crush \
-          roughly";
+          mph), and how the recorder filtered it is not stated: peak acceleration and force cannot be taken from it, \
+          crush roughly";
 
     /// Cells hold two numbers, and the name of their column not two units.
     CR048 TwoNumbers { column: String }

@@ -36,7 +36,8 @@ remarks! {
     CR803 SensorsDiffer { sensors: usize, low_m: f64, high_m: f64 }
     bears on (About::Motion, Weight::Marked)
     decided "The crush of every sensor of the place is compared with the 90 % interval of the pulse."
-    means "The structure moves at the sensors differently, or a sensor is wrong: one reading is no better than the range."
+    means "The structure moves at the sensors differently, or a sensor is wrong: one reading is no better than the \
+           range."
     remedy "quote the range of the sensors"
     says {
         let mm = |m: f64| words::quantity(MILLI * m, 0, "mm");
@@ -65,8 +66,8 @@ remarks! {
     /// Parameters of the recommended model are not identifiable from the record.
     CR806 NotIdentifiable { id: String, model: String, names: String }
     bears on (About::Model(id.clone()), Weight::Decisive)
-    decided "The value is at a limit of the search that is not zero, both ends of its 95 % interval are unknown, or its \
-             standard deviation is as large as the value."
+    decided "The value is at a limit of the search that is not zero, both ends of its 95 % interval are unknown, or \
+             its standard deviation is as large as the value."
     means "Any value within the interval follows the record as well. Quote no value for it."
     remedy "use the crush of the model, not these parameters; a second test at another speed narrows them"
     says fill(PHRASES.conclusion.warn_open, &[("names", names), ("model", model)]);
@@ -84,7 +85,8 @@ remarks! {
     CR808 BeyondTheTest { crush_m: f64 }
     bears on (About::Predictions, Weight::Slight)
     decided "The predicted crush is compared with that of the test."
-    means "The structure behind the tested crush was not loaded: its force is assumed, and the interval says how widely."
+    means "The structure behind the tested crush was not loaded: its force is assumed, and the interval says how \
+           widely."
     remedy "use predictions up to the crush of the test, or add a faster test with crumple together"
     says fill(PHRASES.conclusion.warn_extrapolates, &[("crush", words::quantity(MILLI * crush_m, 0, "mm"))]);
 

@@ -98,8 +98,8 @@ impl Conclusion {
 pub const MARKED: u8 = 6;
 const DECISIVE: u8 = 9;
 
-/// Whether the record is sound: the gravest warning about what the test is. What programs contradict each other in is no
-/// fault of the record, and that a sensor sits in an occupant is known of a record of one.
+/// Whether the record is sound: the gravest warning about what the test is. What programs contradict each other in is
+/// no fault of the record, and that a sensor sits in an occupant is known of a record of one.
 pub fn soundness(run: &Run, kind: Kind, concerns: &[Concern]) -> Soundness {
     let is_contradiction = |concern: &Concern| run.contradictions.iter().any(|found| found.code == concern.code);
     let is_of_place = |concern: &Concern| kind == Kind::Occupant && concern.about.parse() == Ok(About::Pulse);
