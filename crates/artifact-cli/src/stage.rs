@@ -19,9 +19,9 @@ use crumple_signal::value::Length;
 use crumple_signal::{Kind, Weight};
 use crumple_stage::joints::{contradictions, invariants};
 use crumple_stage::{
-    Call, ExitStatus, Pipeline, Program, Refused, Usage, artifacts_of_a_run, chain, columns, keep_budget, kinds,
-    labelled, load_artifacts, nearest, printable, program, refuse_a_mixture, refuse_to_overwrite, refuse_unknown_code,
-    remarks_of, results_of_an_earlier_run, run_tool, say, to_stdout, wrapped,
+    Call, ExitStatus, Pipeline, Program, Refused, Usage, artifacts_of_a_run, chain, columns, is_no_result, keep_budget,
+    kinds, labelled, load_artifacts, nearest, printable, program, refuse_a_mixture, refuse_to_overwrite,
+    refuse_unknown_code, remarks_of, results_of_an_earlier_run, run_tool, say, to_stdout, wrapped,
 };
 use serde::de::DeserializeOwned;
 
@@ -221,7 +221,7 @@ fn notes(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
             if let Some(problem) = results_of_an_earlier_run(path) {
                 say(format_args!("note: {problem}"));
             }
-            ranked = in_summary(path, "concerns").filter(|_| paths.len() == 1);
+            ranked = concerns_of_a_run(path).filter(|_| paths.len() == 1);
             allowed = pipeline_of(path).map_or(Vec::new(), |pipeline| pipeline.allowed().collect());
         } else {
             files.push(path.clone());
@@ -241,6 +241,20 @@ fn notes(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
     let text: String = lines.map(|line| line + "\n").collect();
     to_stdout(printable(&text).as_bytes())?;
     Ok(ExitStatus::Done)
+}
+
+/// The warnings of the summary of a run. One of an earlier version has no codes: its diagnosis is known by its severity.
+fn concerns_of_a_run(folder: &Path) -> Option<Vec<RemarkV1>> {
+    let rows: Vec<serde_json::Value> = in_summary(folder, "concerns")?;
+    let is_code = |code: &&str| is_no_result(&RemarkV1 { code: (*code).to_owned(), ..RemarkV1::default() });
+    let no_result = kinds().iter().map(|kind| kind.code).find(is_code);
+    let remark = |mut row: serde_json::Value| {
+        if row["severity"] == "no-result" {
+            row["code"] = no_result.into();
+        }
+        serde_json::from_value(row).ok()
+    };
+    rows.into_iter().map(remark).collect()
 }
 
 /// A list of the summary of a run, if it has one.

@@ -90,8 +90,7 @@ fn row(out: &mut String, channel: &Channel, taken: bool, on_paper: bool) {
         remark = if remark.is_empty() { redundant.to_owned() } else { format!("{redundant}; {remark}") };
     }
     out.push_str(&format!(
-        "<tr{class}><td><code>{}</code>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>\
-         <td>{}</td></tr>\n",
+        "<tr{class}><td><code>{}</code>{}<td>{}<td>{}<td>{}<td>{}<td>{}<td>{}\n",
         html(&channel.id),
         if taken { format!(" <strong>{}</strong>", texts.taken) } else { String::new() },
         html(&channel.location),

@@ -58,7 +58,8 @@ fn a_row_has_the_numbers_the_model_how_sure_it_is_and_the_first_warning() {
         assert!(row.contains(cell), "{cell}: {row}");
     }
     // The status stands where the model is named, and names it where it may be used.
-    assert!(row.contains("<td>do not use<br><small>do not use: ") && row.contains("<svg class=s "), "{row}");
+    assert!(row.contains("<td title=\"record: wrong; good for: measured quantities\">do not use<br>"), "{row}");
+    assert!(row.contains("<br><small>do not use: ") && row.contains("<svg class=s "), "{row}");
     assert!(page.contains(">usable: "), "{page}");
     assert!(row.contains("<td>check the impact speed (50.0 km/h)"), "{row}");
     // In the order of the names, whatever the order of the command line.

@@ -103,7 +103,8 @@ fn warnings_stand_by_what_they_do_to_what_is_shown() {
         summary["concerns"][0],
         json!({
             "stage": "integrate", "severity": "warning", "about": "time", "weight": 9, "text": "late contact",
-            "remedy": null
+            "remedy": null,
+            "code": ""
         })
     );
 }
