@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use anyhow::Context;
 use crumple_report::{Soundness, Status, Summary};
+use crumple_stage::records::RemarkV1;
 use crumple_stage::{ExitStatus, nearest, refuse_unknown_code, say};
 
 /// One thing that a run may not have.
@@ -50,9 +51,9 @@ impl FailOn {
     fn found(&self, summary: &Summary) -> Option<String> {
         match self {
             Self::Code(code) => {
-                let is_of = |remark: &&crumple_stage::records::RemarkV1| remark.code == *code;
+                let is_of = |remark: &&RemarkV1| remark.code == *code;
                 let allowed = summary.allowed.contains_key(code);
-                summary.remarks.iter().find(is_of).filter(|_| !allowed).map(|remark| remark.with_code())
+                summary.remarks.iter().find(is_of).filter(|_| !allowed).map(RemarkV1::with_code)
             }
             Self::Record(limit) => {
                 let record = summary.verdict.record.filter(|record| record >= limit)?;

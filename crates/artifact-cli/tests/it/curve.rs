@@ -163,7 +163,7 @@ fn warnings_stand_by_weight_and_one_that_nobody_weighed_last() {
         "text": "nothing", "remedy": "try again"}]}"#;
     std::fs::write(folder.path().join("summary.json"), summary).unwrap();
     let ranked = lines(folder.path());
-    assert_eq!(ranked[0], "none    9  report           nothing");
+    assert_eq!(ranked[0], "none    9  report           nothing [CR900]");
     assert_eq!(ranked[1].trim_start(), "what to do: try again");
     assert_eq!(ranked[2], "note       ingest           good to know");
 }

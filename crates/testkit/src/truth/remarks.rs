@@ -62,12 +62,13 @@ pub fn unstated_numbers(remark: &Value, explained: &Explained) -> Vec<String> {
     }
     // A number stands by itself, with a unit behind it at most: `k1` and `n4sid-4` are names.
     let number =
-        Regex::new(r"(?:^|[\s(\[=<>±+*'/-])(\d+(?:\.\d+)?(?:e-?\d+)?)").unwrap_or_else(|error| panic!("{error}"));
+        Regex::new(r"(?:^|[\s(\[=<>±+])[-−]?(\d+(?:\.\d+)?(?:e-?\d+)?)").unwrap_or_else(|error| panic!("{error}"));
+    let half_of = |digits: &str| {
+        let places = digits.split_once('.').map_or(0, |(_, places)| places.len());
+        0.5 * 10_f64.powi(-i32::try_from(places).unwrap_or(0))
+    };
     let is_stated = |shown: &str| {
-        let half = match shown.split_once('e') {
-            Some((digits, _)) => 0.5 * 10_f64.powi(-(digits.split_once('.').map_or(0, |(_, d)| d.len()) as i32)),
-            None => 0.5 * 10_f64.powi(-(shown.split_once('.').map_or(0, |(_, digits)| digits.len()) as i32)),
-        };
+        let half = half_of(shown.split_once('e').map_or(shown, |(digits, _)| digits));
         let Ok(read) = shown.parse::<f64>() else { return false };
         let half = if shown.contains('e') { half * read.abs() } else { half };
         let is_shown =
