@@ -6,6 +6,7 @@
 mod checks;
 mod curves;
 mod error;
+mod explain;
 mod new_stage;
 mod plain;
 mod show;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use crumple_artifact::remove_in_order;
-use crumple_stage::{ExitStatus, Usage, by_way, chain, memory_limit_flag, say};
+use crumple_stage::{ExitStatus, Usage, by_way, chain, memory_limit_flag, refuse_not_to_be_allowed, say};
 
 use crate::command::{Options, Pipeline, Stage, chain_of, dependents, stages_of};
 use crate::fail_on::after_limits;
@@ -41,6 +41,7 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
     let (pipeline, path) = pipeline_and_folder(&options)?;
     let composed = pipeline.read(&options.project, &options.set);
     let mut composed = composed.inspect_err(|_| note_usage_error(&options, &path))?;
+    composed.allowed().try_for_each(|code| refuse_not_to_be_allowed(&code))?;
     let (stages, left_out) = stages_of(&options, &composed, &options.programs.commands()?)?;
     let outputs = || chain().flat_map(|stage| stage.outputs);
     note_run(&mut composed, &options, &pipeline, &stages);

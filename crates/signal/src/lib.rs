@@ -49,7 +49,6 @@ mod measurement;
 mod motion;
 mod moving_start;
 mod notes;
-mod remarks;
 mod resampling;
 mod samples;
 mod summation;
@@ -79,8 +78,7 @@ pub use motion::{
     integrate, integrate_from, integrate_reporting, integrate_without_drift, without_drift,
 };
 pub use moving_start::{Moving, MovingStart, is_gravity, moves_before_contact, moving_start};
-pub use notes::{About, ConcernContext, Note, Notes, Severity, UnknownAbout, Weight};
-pub use remarks::{Kind, Stated, Value};
+pub use notes::{About, ConcernContext, Kind, Note, Notes, Severity, Stated, UnknownAbout, Value, Weight};
 pub use resampling::{Interpolation, Resampling, keep_every, kept, resample};
 pub use samples::{PreEvent, PreEventWindow, Sampled, Signal, SignalError, coarse_step, pre_event, pre_event_within};
 pub use summation::{

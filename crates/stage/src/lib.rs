@@ -24,6 +24,7 @@ mod command_line {
 mod environment;
 mod error;
 pub mod joints;
+mod kinds;
 mod names;
 mod process;
 mod terminal;
@@ -31,16 +32,16 @@ mod typed;
 
 pub use artifacts::inputs::{Inputs, Loaded, Tests, load_artifacts, load_tests, refuse_a_mixture};
 pub use artifacts::output::{Output, artifacts_of_a_run, refuse_to_overwrite, results_of_an_earlier_run};
-pub use artifacts::remarks::{held, hold, is_no_result, kinds, remarks_of};
+pub use artifacts::remarks::{is_no_result, remarks_of};
 pub use chain_table::{MassOfTable, NumberOfTable, TakenNumbers, read_chain, total_mass_remark, typed};
 pub use command_line::args::{is_shared_flag, keep_budget, memory_limit_flag};
 pub use command_line::left_out::LeftOut;
-pub use command_line::of_runs::refuse_unknown_code;
 pub use command_line::pipeline::pipeline_table;
 pub use command_line::pipeline_file::Pipeline;
 pub use crumple_artifact::{Artifact, InputDigest, Record, Wave, records};
 pub use environment::{refuse_unknown_variables, variable_of, variables};
 pub use error::{ExitStatus, MissingTopic, RefuseExt, Refused, Usage, unknown_name};
+pub use kinds::{held, hold, kinds, refuse_not_to_be_allowed, refuse_unknown_code};
 pub use names::{ChainStage, chain, errors_in_words, nearest, sidecar_of, told_apart};
 pub use process::{Call, Outcome, Program, Stage, run_stage, run_tool};
 pub use terminal::{Progress, be_quiet, columns, labelled, labelled_and_cut, printable, say, to_stdout, wrapped};

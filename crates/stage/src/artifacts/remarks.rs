@@ -1,14 +1,10 @@
 //! What stages remark: the record that is written, and how those of earlier versions and other programs are read.
 
 use std::cmp::Reverse;
-use std::sync::OnceLock;
 
 use crumple_artifact::records::{ConcernV1, ConcernsV2, DiagnosisV1, NotesV1, RemarkV1, RemarksV1, SeverityV1};
 use crumple_artifact::{Artifact, ReadError};
-use crumple_signal::{About, Kind, Note, Notes, Weight, remarks};
-
-use crate::joints::invariants;
-use crate::process::Program;
+use crumple_signal::{About, Note, Notes, Weight, remarks};
 
 remarks! {
     /// What every stage can say.
@@ -29,30 +25,6 @@ remarks! {
     means "One root of a closed form or of a matching went astray. The other candidates are not touched by it."
     remedy "nothing, unless it was the only candidate: then state other masses or another window"
     says format!("{id} is left out: its {field} is {value}, which is no number of a vehicle");
-}
-
-/// The stages that this process holds.
-static HELD: OnceLock<&[Program]> = OnceLock::new();
-
-/// From now on this process stands for these stages.
-pub fn hold(stages: &'static [Program]) {
-    HELD.get_or_init(|| stages);
-}
-
-/// The stages that this process holds; none where a program stands for itself alone.
-pub fn held() -> &'static [Program] {
-    HELD.get().copied().unwrap_or_default()
-}
-
-/// Every kind of remark that this process knows, in the order of the codes: those of the stages that it holds, what
-/// contradicts, and what every stage can say.
-pub fn kinds() -> Vec<&'static Kind> {
-    let of_stages = held().iter().flat_map(|stage| stage.remarks).copied().flatten().copied();
-    let mut all: Vec<&Kind> =
-        of_stages.chain(invariants().map(|row| &row.kind)).chain(REMARKS.iter().copied()).collect();
-    all.sort_by_key(|kind| kind.code);
-    all.dedup_by_key(|kind| kind.code);
-    all
 }
 
 /// Whether a remark is the diagnosis of a stage without a result.

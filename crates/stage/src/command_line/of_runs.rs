@@ -6,9 +6,7 @@ use std::path::Path;
 use crumple_artifact::{TOLERANCE_HINT, TOPICS, ToleranceRule};
 use toml::{Table, Value};
 
-use crate::artifacts::remarks::{NoResult, held, kinds};
 use crate::error::Usage;
-use crate::joints::invariants;
 
 /// The table of the limits.
 pub const LIMITS: &str = "diff";
@@ -52,34 +50,15 @@ pub fn refuse_wrong_codes(path: &Path, table: &Value) -> anyhow::Result<()> {
     let codes = codes.ok_or_else(|| refused("remarks.allow is no list".to_owned()))?;
     for code in codes {
         let code = code.as_str().ok_or_else(|| refused(format!("remarks.allow holds {code}, which is no text")))?;
-        let what_ends = NoResult::KIND.code.eq_ignore_ascii_case(code)
-            || invariants().any(|row| row.kind.code.eq_ignore_ascii_case(code));
-        if what_ends {
-            let problem =
-                format!("remarks.allow names {code}: what contradicts, and a missing result, cannot be allowed");
-            return Err(Usage::new(format!("{}: {problem}", path.display())).hint("take it out of the list").into());
+        if !is_code(code) {
+            return Err(refused(format!("remarks.allow holds {code:?}, which is no code")).into());
         }
-        refuse_unknown_code(code).map_err(|error| error.context(format!("{}: remarks.allow", path.display())))?;
     }
     Ok(())
 }
 
-/// Errors: no remark has this code. A program that stands for itself alone knows the form of codes only.
-pub fn refuse_unknown_code(code: &str) -> anyhow::Result<()> {
-    let upper = code.to_ascii_uppercase();
-    let digits = upper.strip_prefix("CR").unwrap_or(&upper);
-    let is_code = upper.starts_with("CR") && digits.len() == 3 && digits.bytes().all(|byte| byte.is_ascii_digit());
-    let known = kinds();
-    if is_code && (held().is_empty() || known.iter().any(|kind| kind.code == upper)) {
-        return Ok(());
-    }
-    let meant = known.iter().find(|kind| kind.code.strip_prefix("CR") == Some(digits));
-    let hint = meant.map_or_else(
-        || {
-            "codes stand behind warnings; crumple explain RUN explains those of a run, docs/remarks.md has all"
-                .to_owned()
-        },
-        |kind| format!("did you mean {}?", kind.code),
-    );
-    Err(Usage::new(format!("no remark has the code {code:?}")).hint(hint).into())
+/// Whether a text has the form of a code: `CR210`.
+pub fn is_code(text: &str) -> bool {
+    let digits = text.get(..2).filter(|front| front.eq_ignore_ascii_case("CR")).map_or("", |_| &text[2..]);
+    digits.len() == 3 && digits.bytes().all(|byte| byte.is_ascii_digit())
 }
