@@ -1,21 +1,18 @@
 //! What the codes of remarks mean, in general and in a run.
 
-use std::cmp::Reverse;
 use std::path::{Path, PathBuf};
 
 use crumple_artifact::records::{RemarkV1, ValueV1};
 use crumple_signal::{Kind, Weight};
-use crumple_stage::joints::{contradictions, invariants};
-use crumple_stage::{
-    ExitStatus, Refused, artifacts_of_a_run, columns, kinds, printable, program, refuse_unknown_code, remarks_of,
-    results_of_an_earlier_run, say, to_stdout, wrapped,
-};
+use crumple_stage::joints::invariants;
+use crumple_stage::{ExitStatus, columns, kinds, printable, refuse_unknown_code, to_stdout, wrapped};
 
-use crate::stage::{faults_together, in_summary, open, pipeline_of};
+/// What finds the remarks of the folder of a run.
+type OfARun<'a> = &'a dyn Fn(&Path) -> anyhow::Result<Vec<RemarkV1>>;
 
 /// Prints what a code means: found, decided how, what it means, what to do; with a run what it found there. A run alone
 /// prints all that it holds.
-pub(crate) fn explain(words: &[PathBuf], markdown: bool) -> anyhow::Result<ExitStatus> {
+pub(crate) fn explain(words: &[PathBuf], markdown: bool, remarks_of_a_run: OfARun<'_>) -> anyhow::Result<ExitStatus> {
     let (code, run) = match words {
         [only] if only.is_dir() => (None, Some(only)),
         [only] => (Some(only), None),
@@ -63,34 +60,6 @@ pub(crate) fn explain(words: &[PathBuf], markdown: bool) -> anyhow::Result<ExitS
     let lines: Vec<String> = paragraphs.iter().map(|text| wrapped(text, columns()).join("\n") + "\n").collect();
     to_stdout(printable(&lines.join("\n")).as_bytes())?;
     Ok(ExitStatus::Done)
-}
-
-/// What every stage of a run remarks, what its artifacts contradict each other in, and what its report adds.
-fn remarks_of_a_run(run: &Path) -> anyhow::Result<Vec<RemarkV1>> {
-    let artifacts = artifacts_of_a_run(run)?.iter().map(|path| open(path)).collect::<Result<Vec<_>, _>>()?;
-    if let Some(fault) = faults_together(&artifacts, Some(run)).into_iter().next() {
-        let hint = format!("{} makes the run again", program("run"));
-        return Err(Refused::new(fault).expected("the artifacts of one run").hint(hint).into());
-    }
-    if let Some(earlier) = results_of_an_earlier_run(run) {
-        say(format_args!("note: {earlier}"));
-    }
-    let contradictions = contradictions(&artifacts, pipeline_of(run).as_ref());
-    let mut all: Vec<RemarkV1> = contradictions.iter().map(|found| found.remark(None)).collect();
-    for artifact in &artifacts {
-        for remark in remarks_of(artifact).map_err(Refused::from)? {
-            // A stage without anything to work on hands on what an earlier one said.
-            if !all.contains(&remark) {
-                all.push(remark);
-            }
-        }
-    }
-    let in_summary: Vec<RemarkV1> = in_summary(run, "remarks").unwrap_or_default();
-    all.extend(
-        in_summary.into_iter().filter(|remark| !all.iter().any(|known| known.text == remark.text)).collect::<Vec<_>>(),
-    );
-    all.sort_by_key(|remark| Reverse(remark.weight));
-    Ok(all)
 }
 
 /// The sentence that a run has of a kind, with what it was made from.

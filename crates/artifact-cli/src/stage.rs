@@ -1,5 +1,6 @@
 //! The program: commands and their options, files in and out, exit code.
 
+use std::cmp::Reverse;
 use std::fs;
 use std::io::IsTerminal;
 use std::path::{Component, Path, PathBuf};
@@ -19,7 +20,7 @@ use crumple_signal::value::Length;
 use crumple_stage::joints::contradictions;
 use crumple_stage::{
     Call, ExitStatus, Pipeline, Program, Refused, Usage, artifacts_of_a_run, chain, columns, is_no_result, keep_budget,
-    kinds, labelled, load_artifacts, nearest, printable, program, refuse_a_mixture, refuse_to_overwrite,
+    kinds, labelled, load_artifacts, nearest, printable, program, refuse_a_mixture, refuse_to_overwrite, remarks_of,
     results_of_an_earlier_run, run_tool, say, to_stdout,
 };
 use serde::de::DeserializeOwned;
@@ -179,7 +180,7 @@ fn run(args: Args, check_passport: Option<CheckPassport>) -> anyhow::Result<Exit
             check(&PassportCheck { passport, record, stages: stage })
         }
         Command::Check { files, .. } => check_files(&files),
-        Command::Explain { words, markdown } => explain(&words, markdown),
+        Command::Explain { words, markdown } => explain(&words, markdown, &remarks_of_a_run),
         Command::Unpack { file, folder, text, force, quiet } => {
             let form = if text { SampleForm::Text } else { SampleForm::Bytes };
             unpack(&file, &folder, form, force, quiet)
@@ -189,7 +190,7 @@ fn run(args: Args, check_passport: Option<CheckPassport>) -> anyhow::Result<Exit
     }
 }
 
-pub(crate) fn open(path: &Path) -> Result<Artifact, Refused> {
+fn open(path: &Path) -> Result<Artifact, Refused> {
     keep_budget(&[path.to_owned()], ExitStatus::Refused);
     Artifact::open(path).map_err(Refused::from)
 }
@@ -257,7 +258,7 @@ fn concerns_of_a_run(folder: &Path) -> Option<Vec<RemarkV1>> {
 }
 
 /// A list of the summary of a run, if it has one.
-pub(crate) fn in_summary<T: DeserializeOwned>(folder: &Path, key: &str) -> Option<Vec<T>> {
+fn in_summary<T: DeserializeOwned>(folder: &Path, key: &str) -> Option<Vec<T>> {
     let text = fs::read_to_string(folder.join("summary.json")).ok()?;
     let mut summary: serde_json::Value = serde_json::from_str(&text).ok()?;
     serde_json::from_value(summary.get_mut(key)?.take()).ok()
@@ -348,7 +349,7 @@ fn check_files(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
 
 /// Why artifacts are not those of one run: each that a folder lacks, results that were not made from each other. What
 /// such artifacts contradict each other in is not a fault of who wrote them.
-pub(crate) fn faults_together(artifacts: &[Artifact], run: Option<&Path>) -> Vec<String> {
+fn faults_together(artifacts: &[Artifact], run: Option<&Path>) -> Vec<String> {
     let name = |artifact: &Artifact| artifact.path().display().to_string();
     let missing: Vec<String> = match run {
         None => Vec::new(),
@@ -371,7 +372,7 @@ fn missing_output(run: &Path) -> Option<String> {
 }
 
 /// The pipeline of a run folder; `None` where there is none that can be read, which is no fault of its artifacts.
-pub(crate) fn pipeline_of(folder: &Path) -> Option<Pipeline> {
+fn pipeline_of(folder: &Path) -> Option<Pipeline> {
     Pipeline::read(&folder.join(Pipeline::OF_A_RUN), None).ok()
 }
 
@@ -383,6 +384,34 @@ fn missing_input(artifact: &Artifact, all: &[Artifact]) -> Option<String> {
     let stages = chain().filter(|stage| is_input(stage.name) && !is_there(stage.name));
     let missing = stages.filter_map(|stage| stage.outputs.first().copied()).next()?;
     Some(format!("{} was made from {missing}, which is not in the folder", artifact.path().display()))
+}
+
+/// What every stage of a run remarks, what its artifacts contradict each other in, and what its report adds.
+fn remarks_of_a_run(run: &Path) -> anyhow::Result<Vec<RemarkV1>> {
+    let artifacts = artifacts_of_a_run(run)?.iter().map(|path| open(path)).collect::<Result<Vec<_>, _>>()?;
+    if let Some(fault) = faults_together(&artifacts, Some(run)).into_iter().next() {
+        let hint = format!("{} makes the run again", program("run"));
+        return Err(Refused::new(fault).expected("the artifacts of one run").hint(hint).into());
+    }
+    if let Some(earlier) = results_of_an_earlier_run(run) {
+        say(format_args!("note: {earlier}"));
+    }
+    let contradictions = contradictions(&artifacts, pipeline_of(run).as_ref());
+    let mut all: Vec<RemarkV1> = contradictions.iter().map(|found| found.remark(None)).collect();
+    for artifact in &artifacts {
+        for remark in remarks_of(artifact).map_err(Refused::from)? {
+            // A stage without anything to work on hands on what an earlier one said.
+            if !all.contains(&remark) {
+                all.push(remark);
+            }
+        }
+    }
+    let in_summary: Vec<RemarkV1> = in_summary(run, "remarks").unwrap_or_default();
+    all.extend(
+        in_summary.into_iter().filter(|remark| !all.iter().any(|known| known.text == remark.text)).collect::<Vec<_>>(),
+    );
+    all.sort_by_key(|remark| Reverse(remark.weight));
+    Ok(all)
 }
 
 fn unpack(path: &Path, target: &Path, form: SampleForm, force: bool, quiet: bool) -> anyhow::Result<ExitStatus> {
