@@ -238,28 +238,9 @@ impl Notes {
         self.0.push(Note::warning(text));
     }
 
-    /// Adds a warning with what it concerns and how much it changes there.
-    pub fn concern(&mut self, about: About, weight: Weight, text: impl Into<String>) {
-        self.0.push(Note::warning(text).bears_on(about, weight));
-    }
-
-    /// Gives `about` to all warnings that do not say what they concern, with the least weight.
-    #[must_use]
-    pub fn all_about(mut self, about: &About) -> Self {
-        for note in self.0.iter_mut().filter(|note| note.severity == Severity::Warning) {
-            note.bearing.get_or_insert_with(|| ConcernContext { about: about.clone(), weight: Weight::Slight });
-        }
-        self
-    }
-
     /// Puts a remark before all others: what the rest rests on is in doubt.
     pub fn push_first(&mut self, remark: impl Into<Note>) {
         self.0.insert(0, remark.into());
-    }
-
-    /// Puts a warning before all other notes: what the rest rests on is in doubt.
-    pub fn concern_first(&mut self, about: About, text: impl Into<String>) {
-        self.push_first(Note::warning(text).bears_on(about, Weight::Decisive));
     }
 
     /// Adds a remark.
