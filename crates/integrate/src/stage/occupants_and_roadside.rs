@@ -87,9 +87,9 @@ impl Criteria<'_> {
             let (group, pulse) = (group_name.to_owned(), self.pulse.id.clone());
             let channels = ids.into_iter().map(str::to_owned).collect();
             return if is_asked {
-                notes.push(AskedAndFilteredOut { group, channels, pulse })
+                notes.push(AskedAndFilteredOut { group, channels, pulse });
             } else {
-                notes.push(FilteredOut { group, channels, pulse: Some(pulse) })
+                notes.push(FilteredOut { group, channels, pulse: Some(pulse) });
             };
         }
         if !is_asked || !has_none {
