@@ -10,9 +10,9 @@ pub mod findings;
 mod frame;
 mod index;
 mod page;
-pub mod phrases;
 pub mod run_numbers;
 mod stage;
+pub mod words;
 
 pub use compare::causes::name_of_cause;
 pub use compare::compared_run::ComparedRun;
@@ -32,7 +32,6 @@ pub use index::pulse_line;
 pub use index::{FiguresOfRuns, RunIndex};
 pub use index::{IndexedRun, status};
 pub use page::document::{Page, write_shared_files};
-pub use phrases::words::fill;
 pub use run_numbers::RunNumber;
 pub use stage::accept::ACCEPT;
 pub use stage::diff::{DIFF, diff};

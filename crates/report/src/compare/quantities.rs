@@ -10,9 +10,8 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::drawing::numbers::{ABSENT, digits_of_interval};
-use crate::findings::{CandidateSummary, Summary, parameter, parameter_order};
-use crate::phrases::PHRASES;
-use crate::phrases::words::{self, fill};
+use crate::findings::{CandidateSummary, Summary, doubt_in_words, parameter, parameter_order};
+use crate::words;
 
 use super::scenarios::{Scenario, scenarios};
 
@@ -130,7 +129,7 @@ impl Quantity {
         let ends = self.values[run].as_ref()?.interval?;
         let digits = ends[0].zip(ends[1]).map_or(3, |(low, high)| digits_of_interval(low, high, 3));
         let end = |end: Option<f64>| match (end, self.digits) {
-            (None, _) => PHRASES.model.open.to_owned(),
+            (None, _) => "open".to_owned(),
             (Some(end), Digits::Decimals(_)) => self.number(end, 0),
             (Some(end), Digits::Significant(_)) => words::significant(self.factor * end, digits),
         };
@@ -159,7 +158,7 @@ impl Quantity {
 
     /// A run's number in the unit of people, or that the run does not determine it.
     pub fn known(&self, run: usize) -> String {
-        if self.is_undetermined(run) { PHRASES.model.not_determined.to_owned() } else { self.shown(run) }
+        if self.is_undetermined(run) { doubt_in_words(Doubt::NotDetermined).to_owned() } else { self.shown(run) }
     }
 
     fn number(&self, value: f64, more: usize) -> String {
@@ -211,12 +210,8 @@ impl Quantity {
     pub fn beside(&self, run: usize) -> String {
         let Some(own) = &self.values[run] else { return String::new() };
         let change = self.change(run).filter(|_| self.differs(run));
-        let texts = &PHRASES.model;
-        let doubt = own.doubt.map(|doubt| match doubt {
-            Doubt::OnBound => texts.on_a_bound,
-            Doubt::NotDetermined => texts.not_determined,
-        });
-        let known = doubt.map(str::to_owned).or_else(|| self.interval(run));
+        let doubt = own.doubt.map(|doubt| doubt_in_words(doubt).to_owned());
+        let known = doubt.or_else(|| self.interval(run));
         change.into_iter().chain(known).collect::<Vec<_>>().join("; ")
     }
 }
@@ -390,8 +385,8 @@ fn predicted_row(
         group: if is_crush { Group::Prediction } else { Group::PredictedDetail },
         key: format!("{} at {at}", if is_crush { "crush" } else { quantity.key }),
         name: match is_crush {
-            true => fill(PHRASES.runs.predicted_crush, &[("speed", speed)]),
-            false => fill(PHRASES.runs.predicted_number, &[("number", quantity.name.to_owned()), ("speed", speed)]),
+            true => format!("Predicted crush at {speed}"),
+            false => format!("Predicted {} at {speed}", quantity.name),
         },
         unit: quantity.unit,
         factor: quantity.factor,

@@ -11,6 +11,8 @@ mod text;
 pub use conclusions::concerns::{
     Concern, concerns, first_warnings, is_of_a_failed_method, is_of_another_candidate, warnings,
 };
+pub(crate) use conclusions::concerns::{more_warnings, what_to_do};
+pub(crate) use conclusions::conclusion::with_mass_against;
 pub use conclusions::conclusion::{Conclusion, Number, conclusion};
 pub use conclusions::distinct_curves::{DistinctCurve, SAME_CURVE, SAME_RESTITUTION, distinct_curves, same_curve};
 pub use conclusions::key_numbers::{KeyNumber, Spread, key_numbers};
@@ -28,7 +30,7 @@ pub use results::model_output::{ErrorCorrelation, ModelOutput};
 pub use results::ranking::{Ranking, compare_ids};
 pub use results::run::{
     CandidateResult, Element, IdentifiabilityCounts, MeasuredWaves, Model, PoleStability, Run, SensorMotion,
-    StageProgram, StageRecord,
+    StageProgram, StageRecord, doubt_in_words,
 };
 pub use results::{mass_divisions, ranking};
 pub use text::{

@@ -1,12 +1,10 @@
-//! Names as people write them, and text made safe for Markdown; languages and phrases are those of `crumple-report`.
+//! Names as people write them, and text made safe for Markdown.
 
 use crumple_artifact::records::CandidateV1;
 use crumple_lumped::{ParameterKind, parameter_kind, parameter_kind_of_unit};
 
 use crate::drawing::numbers::{KILO, MILLI};
-use crate::phrases::PHRASES;
-use crate::phrases::words;
-use crate::phrases::words::fill;
+use crate::words;
 
 // Text of a test made safe for Markdown.
 
@@ -146,7 +144,6 @@ pub fn deflection_of_knot(candidate: &CandidateV1, force: &str) -> Option<(Strin
 
 /// `k and c` of a candidate; of knots of a force-deflection curve `the forces at 97 mm and 283 mm`.
 pub fn symbols(candidate: &CandidateV1, names: &[&str]) -> String {
-    let phrases = &PHRASES.conclusion;
     let (mut deflections, mut symbols) = (Vec::new(), Vec::new());
     for name in names {
         let (texts, text) = match deflection_of_knot(candidate, name) {
@@ -160,18 +157,18 @@ pub fn symbols(candidate: &CandidateV1, names: &[&str]) -> String {
             texts.push(text);
         }
     }
-    let template = if deflections.len() > 1 { phrases.forces_at } else { phrases.force_at };
     if !deflections.is_empty() {
-        symbols.insert(0, fill(template, &[("deflection", listed(&deflections, phrases.and))]));
+        let forces = if deflections.len() > 1 { "the forces" } else { "the force" };
+        symbols.insert(0, format!("{forces} at {}", listed(&deflections)));
     }
-    listed(&symbols, phrases.and)
+    listed(&symbols)
 }
 
 /// `a, b and c`.
-pub(crate) fn listed(texts: &[String], and: &str) -> String {
+pub(crate) fn listed(texts: &[String]) -> String {
     match texts.split_last() {
         Some((last, [])) => last.clone(),
-        Some((last, before)) => format!("{} {and} {last}", before.join(", ")),
+        Some((last, before)) => format!("{} and {last}", before.join(", ")),
         None => String::new(),
     }
 }

@@ -1,7 +1,6 @@
 //! Parameters of a candidate as bars: the interval about the value, on a logarithmic scale of two decades.
 
-use crate::phrases::PHRASES;
-use crate::phrases::words;
+use crate::words;
 use std::collections::BTreeMap;
 
 use crate::drawing::escape::html;
@@ -20,18 +19,15 @@ pub(super) fn table(candidate: &CandidateResult) -> String {
     let mut names: Vec<&String> = candidate.record.parameters.keys().collect();
     names.sort_by_key(|name| parameter_order(model, name));
     let rows: String = names.into_iter().map(|name| row(candidate, name)).collect();
-    let texts = &PHRASES.candidates;
-    let columns = [Column::text(texts.parameter), Column::number(texts.value), Column::number(texts.interval)];
+    let columns = [Column::text("Parameter"), Column::number("Value"), Column::number("95&nbsp;%")];
     format!(
         "<table class=\"bars\"><thead><tr>{}<th scope=\"col\" class=\"scale\"><span>÷10</span>\
-         <span>{}</span><span>×10</span></th></tr></thead><tbody>{rows}</tbody></table>",
-        heads(&columns),
-        texts.scale_value
+         <span>value</span><span>×10</span></th></tr></thead><tbody>{rows}</tbody></table>",
+        heads(&columns)
     )
 }
 
 fn row(candidate: &CandidateResult, name: &str) -> String {
-    let texts = &PHRASES.candidates;
     let record = &candidate.record;
     let value = record.parameters[name];
     let shown = |value: f64| parameter(&record.model, name, value).1;
@@ -42,15 +38,15 @@ fn row(candidate: &CandidateResult, name: &str) -> String {
     let is_wide = record.certainty(name) == Some(Certainty::OrderOfMagnitude);
     let no = |words: &str| format!("<span class=\"no\">{words}</span>");
     let (words, bar) = match (candidate.doubt(name), ends) {
-        (None, Some((low, high))) if is_wide => (no(texts.order_of_magnitude), bar(value, low, high)),
+        (None, Some((low, high))) if is_wide => (no("wide interval"), bar(value, low, high)),
         (Some(doubt), _) => (no(doubt), bar(value, None, None)),
-        (None, _) if on_bound => (texts.limit_of_physical.to_owned(), String::new()),
+        (None, _) if on_bound => ("physical limit".to_owned(), String::new()),
         (None, None) if record.asked().any(|asked| asked == name) => (ABSENT.to_owned(), String::new()),
-        (None, None) => (texts.given.to_owned(), String::new()),
+        (None, None) => ("given".to_owned(), String::new()),
         (None, Some((low, high))) => {
             let digits = low.zip(high).map_or(3, |(low, high)| digits_of_interval(low, high, 3));
             let end =
-                |end: Option<f64>| end.map_or_else(|| texts.open.to_owned(), |x| words::significant(shown(x), digits));
+                |end: Option<f64>| end.map_or_else(|| "open".to_owned(), |x| words::significant(shown(x), digits));
             (words::between(&end(low), &end(high)), bar(value, low, high))
         }
     };

@@ -1,9 +1,7 @@
-//! Numbers with their units, names of metrics, and texts with their blanks filled in.
+//! Numbers with their units and names of metrics.
 
 use crate::drawing::numbers::{self, LONG_S, MILLI, NBSP, digits_of_interval};
 pub use crate::drawing::numbers::{at_most, decimals, signed, significant};
-
-use crate::phrases::PHRASES;
 
 /// Name in a record, name where that is not the name of the record with blanks.
 const NAMES: [(&str, &str); 3] = [
@@ -66,12 +64,12 @@ pub fn times(from_s: f64, to_s: f64) -> String {
 
 /// `low to high`.
 pub fn between(low: &str, high: &str) -> String {
-    format!("{low} {} {high}", PHRASES.page.to)
+    format!("{low} to {high}")
 }
 
 /// `90 %: ` before an interval; nothing where it has no level.
 pub fn level(percent: Option<u8>) -> String {
-    percent.map_or_else(String::new, |percent| fill(PHRASES.conclusion.level, &[("percent", percent.to_string())]))
+    percent.map_or_else(String::new, |percent| format!("{percent}{NBSP}%: "))
 }
 
 /// Name of a metric or a measured quantity: `peak_acceleration` is "peak acceleration", `hic15` by its trade name
@@ -89,23 +87,9 @@ pub fn with_unit(number: String, unit: &str) -> String {
     if unit.is_empty() { number } else { format!("{number}{NBSP}{unit}") }
 }
 
-/// Puts texts in the place of `{name}`. A name without a text leaves nothing.
-pub fn fill<T: AsRef<str>>(template: &str, texts: &[(&str, T)]) -> String {
-    let mut out = String::with_capacity(2 * template.len());
-    let mut rest = template;
-    while let Some((before, behind)) = rest.split_once('{') {
-        let (name, behind) = behind.split_once('}').unwrap_or((behind, ""));
-        out.push_str(before);
-        out.push_str(texts.iter().find(|(other, _)| *other == name).map_or("", |(_, text)| text.as_ref()));
-        rest = behind;
-    }
-    out.push_str(rest);
-    out
-}
-
 /// `is` behind 1, `are` behind any other count.
 pub fn verb(count: usize) -> &'static str {
-    if count == 1 { PHRASES.conclusion.is } else { PHRASES.conclusion.are }
+    if count == 1 { "is" } else { "are" }
 }
 
 #[cfg(test)]
@@ -119,10 +103,5 @@ mod tests {
         assert_eq!(range(0.7412, 0.7593, "m"), "741.2 to 759.3\u{a0}mm");
         assert_eq!(range(0.75, 0.75, "1"), "0.7500 to 0.7500");
         assert_eq!((metric("delta_v"), metric("hic15")), ("delta v".to_owned(), "HIC15".to_owned()));
-    }
-
-    #[test]
-    fn names_are_replaced_and_texts_are_not_read_again() {
-        assert_eq!(fill("a {x} b {y}{z}.", &[("x", "{y}"), ("y", "2")]), "a {y} b 2.");
     }
 }
