@@ -7,8 +7,8 @@ use crumple_signal::Sampled;
 
 use crate::drawing::escape::{address, html};
 use crate::drawing::{Drawing, Entry, Figure, sparkline, swatch};
-use crate::findings::model_name;
 use crate::findings::{ResultStatus, Summary};
+use crate::findings::{capitalised, model_name};
 use crate::frame::framed;
 use crate::run_numbers::{CRUSH, DELTA_V, MASS, OLC, PEAK, RESTITUTION, RunNumber, SPEED, STIFFNESS, TIME_OF_CRUSH};
 use crate::words;
@@ -293,8 +293,9 @@ fn row(out: &mut String, run: &IndexedRun<'_>, several: bool) {
     let certainty = summary.and_then(|summary| summary.verdict.certainty()).unwrap_or_default();
     let _ = match summary.filter(|_| run.is_done()) {
         Some(summary) => {
-            let model = summary.usable().map(|candidate| model_name(&candidate.model));
+            let model = summary.usable().map(|candidate| model_name(&candidate.model, &candidate.parameters));
             let word = summary.verdict.status.map(|status| status.word().to_owned());
+            let model = if word.is_none() { model.map(|model| capitalised(&model)) } else { model };
             let said: Vec<String> = word.into_iter().chain(model).collect();
             let said = if said.is_empty() { "none".to_owned() } else { said.join(": ") };
             let reason = shortened(&summary.verdict.status_sentence, OF_WARNING);

@@ -2,7 +2,6 @@
 
 use crate::drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI};
 use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over_time, span};
-use crate::findings::candidate_name;
 use crumple_signal::Sampled;
 
 use super::compared_run::ComparedRun;
@@ -37,9 +36,9 @@ pub fn figure(runs: &[ComparedRun]) -> Option<Figure> {
                     figure.entry(format!("{}, test", run.name), look, true)
                 }
             };
-            let model = run.recommended().map_or_else(String::new, |model| candidate_name(&model.id));
+            let model = run.recommended().map_or_else(|| "model".to_owned(), |model| run.run.name_of(&model.id));
             let look = Look::line(Colour::Series(k), Dash::Dashed);
-            (test, figure.entry(format!("{}, model ({model})", run.name), look, true))
+            (test, figure.entry(format!("{}, {model}", run.name), look, true))
         })
         .collect();
     let drawn = |k: usize| k == 0 || !one_test;

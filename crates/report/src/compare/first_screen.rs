@@ -1,7 +1,7 @@
 //! What a report says first, as Markdown for a merge request.
 
 use crate::drawing::numbers::{ABSENT, MILLI};
-use crate::findings::{HEAD, candidate_name, conclusion, distinct_curves, first_warnings, markdown};
+use crate::findings::{HEAD, capitalised, conclusion, distinct_curves, first_warnings, markdown};
 use crate::page::conclusion::BEFORE_USE;
 use crate::page::header::UNTITLED;
 use crate::page::key_numbers::KEY_NUMBERS;
@@ -74,7 +74,7 @@ fn candidates(run: &ComparedRun) -> String {
         let number = |value: Option<f64>, text: &dyn Fn(f64) -> String| value.map_or_else(|| ABSENT.to_owned(), text);
         Some(format!(
             "| {}{} | {} | {} | {} | {} |\n",
-            markdown(&candidate_name(id)),
+            markdown(&capitalised(&run.run.name_of(id))),
             if same > 0 { format!(" and {same} with the same curve") } else { String::new() },
             known.words().unwrap_or_else(|| ABSENT.to_owned()),
             number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| words::signed(MILLI * v, 1)),

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crumple_diff::CompareSettings;
 
 use crate::drawing::numbers::ABSENT;
-use crate::findings::{CandidateResult, Summary, candidate_name};
+use crate::findings::{CandidateResult, Summary, capitalised};
 use crate::page::key_numbers::title;
 use crate::words;
 
@@ -47,12 +47,13 @@ fn about_models(runs: &[ComparedRun]) -> Vec<Row> {
     let texts = |text: &dyn Fn(&CandidateResult) -> Option<String>| -> Vec<String> {
         models.iter().map(|model| model.and_then(text).unwrap_or_else(|| ABSENT.to_owned())).collect()
     };
+    let names: Vec<String> = runs
+        .iter()
+        .zip(&models)
+        .map(|(run, model)| model.map_or_else(|| ABSENT.to_owned(), |model| capitalised(&run.run.name_of(&model.id))))
+        .collect();
     let determined = |model: &CandidateResult| model.certainties().words();
-    vec![
-        Row::of_texts("Recommended", &texts(&|model| Some(candidate_name(&model.id)))),
-        Row::of_texts("Certainty", &texts(&determined)),
-        fit_row(&models),
-    ]
+    vec![Row::of_texts("Recommended", &names), Row::of_texts("Certainty", &texts(&determined)), fit_row(&models)]
 }
 
 /// Displacement fits that differ by less, percentage points, are equal: at 10 m/s and half a metre of crush that is

@@ -5,6 +5,7 @@
 //! Both are SI alone; units of people stand in sentences only.
 
 mod conclusions;
+mod names;
 mod results;
 mod text;
 
@@ -25,14 +26,15 @@ pub use conclusions::summary::{
     Summary, TestSummary, TransferFunctionSummary, model_year, summary, summary_schema,
 };
 pub use conclusions::uses::{Soundness, Use};
+pub use names::model_name;
 pub use results::joint::{JointTests, LeftOut, TestOfJointModel};
 pub use results::model_output::{ErrorCorrelation, ModelOutput};
+pub use results::one_spring::OneSpring;
+pub use results::parameters::ShownParameter;
 pub use results::ranking::{Ranking, compare_ids};
 pub use results::run::{
     CandidateResult, Element, IdentifiabilityCounts, MeasuredWaves, Model, PoleStability, Run, SensorMotion,
     StageProgram, StageRecord, doubt_in_words,
 };
 pub use results::{mass_divisions, ranking};
-pub use text::{
-    HEAD, candidate_name, markdown, model_name, parameter, parameter_order, record_name, short, words_and_unit,
-};
+pub use text::{HEAD, capitalised, markdown, parameter, parameter_order, record_name, short, words_and_unit};

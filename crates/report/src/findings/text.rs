@@ -26,7 +26,7 @@ pub fn markdown(text: &str) -> String {
     out
 }
 
-// Names as people write them: of models, candidates, inputs and outputs.
+// Names as people write them: of inputs and outputs.
 
 /// An input or output as identify names it (`acceleration of channel 93, m/s^2`): the words and the unit, if it has
 /// one.
@@ -40,35 +40,15 @@ pub fn words_and_unit(text: &str) -> (&str, Option<String>) {
     (words.strip_prefix("other ").unwrap_or(words), unit)
 }
 
-/// A model's name in words: `double-spring-mass-damper` is "Double spring-mass-damper".
-pub fn model_name(name: &str) -> String {
-    match name {
-        "double-spring-mass-damper" => "Double spring-mass-damper".to_owned(),
-        "triple-spring-mass-damper" => "Triple spring-mass-damper".to_owned(),
-        other => {
-            let words = other.replace('-', " ");
-            let mut letters = words.chars();
-            letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
-        }
-    }
-}
-
-/// A candidate id in words: `kelvin/closed-form/1` is "Kelvin, closed form 1".
-pub fn candidate_name(id: &str) -> String {
-    let mut parts = id.splitn(3, '/');
-    match (parts.next(), parts.next(), parts.next()) {
-        (Some(model), Some(method), Some(index)) => {
-            format!("{}, {} {index}", model_name(model), method.replace('-', " "))
-        }
-        _ => id.to_owned(),
-    }
+/// A name or a reason at the start of a sentence, a line or a cell.
+pub fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// A reason as a sentence.
 pub(crate) fn as_sentence(reason: &str) -> String {
-    let mut rest = reason.chars();
-    let first = rest.next().map_or_else(String::new, |first| first.to_uppercase().to_string());
-    format!("{first}{}.", rest.as_str())
+    format!("{}.", capitalised(reason))
 }
 
 // Parameters of candidates as people read them: order, symbol, unit.
@@ -199,6 +179,13 @@ mod tests {
     fn a_title_cannot_open_a_cell_a_link_or_a_tag() {
         assert_eq!(markdown("@team"), "\\@\u{200b}team");
         assert_eq!(markdown("a|b [x](y)\n<b> *c* d_e"), "a\\|b \\[x\\](y) \\<b\\> \\*c\\* d\\_e");
+    }
+
+    #[test]
+    fn a_name_starts_with_a_capital_where_a_line_starts() {
+        assert_eq!(capitalised("elastoplastic spring"), "Elastoplastic spring");
+        assert_eq!(capitalised(""), "");
+        assert_eq!(as_sentence("no mass is stated"), "No mass is stated.");
     }
 
     #[test]

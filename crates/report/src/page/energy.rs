@@ -2,7 +2,7 @@
 
 use crate::drawing::escape::html;
 use crate::drawing::numbers::{KILO, MILLI};
-use crate::findings::{Ranking, Run, candidate_name};
+use crate::findings::{Ranking, Run, capitalised};
 use crate::page::{UNFOLDED, folded};
 use crate::words;
 
@@ -42,7 +42,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
             "<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td \
              class=\"n\">{}</td>\
              <td class=\"n\">{}</td><td class=\"n\">{closure}</td></tr>\n",
-            html(&candidate_name(&candidate.id)),
+            html(&capitalised(&run.name_of(&candidate.id))),
             html(&energy.instant),
             words::decimals(MILLI * energy.time_s, 1),
             kilojoule(energy.input_j),

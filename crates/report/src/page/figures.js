@@ -157,8 +157,12 @@
     }
   }
 
-  /** What is enough of a name beside its value: `recommended`, `Kelvin, direct fit 1`. */
-  const brief = (name) => (/^[\p{Ll} ]+: \p{Lu}/u.test(name) ? name.split(":")[0] : name.replace(/ \(.*\)$/, ""));
+  /** What is enough of a name beside its value: `recommended`, `Kelvin model (fitted)`. */
+  const brief = (name) => {
+    const role = /^(recommended and closest|recommended|closest): /.exec(name);
+    const [model, ...more] = name.split("), ");
+    return role ? role[1] : more.length > 0 ? `${model})` : name.replace(/ \(.*\)$/, "");
+  };
 
   /** Head of a column: a quantity and its unit, which alone is enough where there is little room. */
   function titled(title) {

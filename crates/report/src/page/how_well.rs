@@ -4,7 +4,7 @@ use crumple_artifact::records::ResidualV1;
 
 use crate::drawing::escape::html;
 use crate::drawing::numbers::{ABSENT, G_PER_M_PER_S2, MILLI};
-use crate::findings::{CandidateResult, Ranking, Run, candidate_name};
+use crate::findings::{CandidateResult, Ranking, Run, capitalised};
 use crate::words;
 
 use crate::frame::{Column, heads};
@@ -43,12 +43,12 @@ pub(super) fn write<'a>(out: &mut String, run: &'a Run, ranking: &Ranking) {
         heads(&columns)
     ));
     for (candidate, residual) in shown.iter().zip(&residuals) {
-        row(out, ranking, candidate, *residual);
+        row(out, run, ranking, candidate, *residual);
     }
     out.push_str("</tbody>\n</table></div>\n<div class=\"models\">\n");
     for (number, (candidate, residual)) in shown.iter().zip(&residuals).enumerate() {
         if let Some(residual) = residual {
-            autocorrelation(out, number + 1, candidate, residual);
+            autocorrelation(out, number + 1, &run.name_of(&candidate.id), residual);
         }
     }
     out.push_str("</div>\n");
@@ -62,7 +62,7 @@ pub(super) fn write<'a>(out: &mut String, run: &'a Run, ranking: &Ranking) {
     ));
 }
 
-fn row(out: &mut String, ranking: &Ranking, candidate: &CandidateResult, residual: Option<&ResidualV1>) {
+fn row(out: &mut String, run: &Run, ranking: &Ranking, candidate: &CandidateResult, residual: Option<&ResidualV1>) {
     let simulation = candidate.simulation.as_ref();
     let of_acceleration = |id: &str| {
         let mut ratings = simulation.into_iter().flat_map(|simulation| &simulation.ratings);
@@ -78,7 +78,7 @@ fn row(out: &mut String, ranking: &Ranking, candidate: &CandidateResult, residua
     out.push_str(&format!(
         "<tr{}><td>{}</td>{parts}<td>{}</td>{}{}{}{}</tr>\n",
         if ranking.best.as_deref() == Some(&candidate.id) { " class=\"best\"" } else { "" },
-        html(&candidate_name(&candidate.id)),
+        html(&capitalised(&run.name_of(&candidate.id))),
         html(grade),
         number(residual.map(|residual| G_PER_M_PER_S2 * residual.rms_m_per_s2), 2),
         number(residual.map(|residual| 1e2 * residual.share_of_test), 0),
@@ -88,7 +88,7 @@ fn row(out: &mut String, ranking: &Ranking, candidate: &CandidateResult, residua
 }
 
 /// The autocorrelation of a residual with its limits, as a picture.
-fn autocorrelation(out: &mut String, number: usize, candidate: &CandidateResult, residual: &ResidualV1) {
+fn autocorrelation(out: &mut String, number: usize, name: &str, residual: &ResidualV1) {
     const WIDTH: f64 = 350.0;
     const HEIGHT: f64 = 130.0;
     const LEFT: f64 = 34.0;
@@ -106,7 +106,7 @@ fn autocorrelation(out: &mut String, number: usize, candidate: &CandidateResult,
         .step_by(step)
         .map(|(lag, r)| format!("{:.1} {:.1}", x(lag as f64), y(*r)))
         .collect();
-    let name = html(&candidate_name(&candidate.id));
+    let name = html(name);
     let longest = format!("{} ms", words::decimals(MILLI * residual.lag_s * last, 0));
     let share = format!("{} %", words::decimals(1e2 * residual.share_outside, 0));
     let title = format!(

@@ -35,7 +35,7 @@ fn card(run: &Run, number: &KeyNumber) -> String {
     let shown = match number.value {
         Some(value) => {
             let unit = if unit.is_empty() { String::new() } else { format!("{NBSP}<small>{unit}</small>") };
-            let value = words::decimals(factor * value, places);
+            let value = words::rounded(value, number.interval(), (factor, places, ""));
             format!("<dd class=\"number\">{}{value}{unit}</dd>", number.sign())
         }
         None => format!("<dd class=\"number\">{ABSENT}</dd>"),
@@ -44,7 +44,7 @@ fn card(run: &Run, number: &KeyNumber) -> String {
     if let Some(reason) = &number.absent_because {
         lines.push(html(reason));
     }
-    if let (Some(low), Some(high)) = (number.low, number.high) {
+    if let Some((low, high)) = number.interval() {
         lines.push(format!("{}: {}", interval_name(number), range(low, high)));
     } else if let (Some(_), Some(reason)) = (number.value, &number.interval_by) {
         lines.push(html(reason));

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use crate::drawing::Figure;
 use crate::drawing::escape::html;
-use crate::drawing::numbers::ABSENT;
+use crate::drawing::numbers::{ABSENT, Rounding};
 use crate::findings::{Concern, Model, ModelOutput, PoleStability, Run, is_of_a_failed_method};
 use crumple_artifact::records::{
     EvidenceV1, IdentificationV1, ModeV1, NoiseModelV1, OtherPoleKindV1, RecommendedBecauseV1, SpreadV1,
@@ -372,13 +372,13 @@ fn cells_of_poles(model: &Model) -> (Vec<[String; 4]>, &'static str) {
         let Some(deviation) = deviation.map(|d| factor * d).filter(|d| *d > 0.0 && d.is_finite()) else {
             return words::significant(factor * value, 4);
         };
-        // As many decimals as show two digits of the deviation.
-        let decimals = usize::try_from((1 - deviation.log10().floor() as i32).clamp(0, 9)).unwrap_or(0);
+        // Two digits of the deviation.
+        let rounding = Rounding::of_interval(-deviation, deviation).unwrap_or(Rounding::WITHOUT_INTERVAL);
         let ends = ends.map_or_else(String::new, |ends| {
-            let [low, high] = ends.map(|end| words::decimals(factor * end, decimals));
+            let [low, high] = ends.map(|end| rounding.show(factor * end));
             format!(" ({})", words::between(&low, &high))
         });
-        format!("{} ± {}{ends}", words::decimals(factor * value, decimals), words::significant(deviation, 2))
+        format!("{} ± {}{ends}", rounding.show(factor * value), rounding.show(deviation))
     };
     let evidence = model.evidence.as_ref();
     let by_covariance =

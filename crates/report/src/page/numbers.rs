@@ -198,19 +198,20 @@ fn definition(metric: &MetricV1) -> String {
 fn table(out: &mut String, rows: &[Row]) {
     out.push_str("<table class=\"numbers\"><tbody>\n");
     for row in rows {
+        let known = row.value.zip(row.interval).map(|(x, ends)| words::value_and_range(x, ends, row.unit));
         let mut value = match row.value {
-            Some(x) => html(&words::value(x, row.unit)),
+            Some(x) => html(&known.as_ref().map_or_else(|| words::value(x, row.unit), |[value, _]| value.clone())),
             // A value that is not there says why, in print too.
             None => format!("{ABSENT} <span class=\"why\">{}</span>", html(&row.definition)),
         };
         if let (Some(_), None, Some(reason)) = (row.value, row.interval, row.interval_by) {
             value.push_str(&format!("<br><span class=\"why\">{}</span>", html(reason)));
         }
-        if let Some((low, high)) = row.interval.filter(|_| row.value.is_some()) {
+        if let Some([_, range]) = &known {
             value.push_str(&format!(
                 "<br><span class=\"interval\" tabindex=\"0\" title=\"{}\">{}</span>",
                 html(row.interval_by.unwrap_or_default()),
-                html(&words::range(low, high, row.unit))
+                html(range)
             ));
         }
         out.push_str(&format!(

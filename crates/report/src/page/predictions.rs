@@ -2,7 +2,7 @@
 
 use crate::drawing::escape::html;
 use crate::drawing::numbers::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
-use crate::findings::{LeftOut, Ranking, Run, Status, TestOfJointModel, candidate_name, with_mass_against};
+use crate::findings::{LeftOut, Ranking, Run, Status, TestOfJointModel, capitalised, with_mass_against};
 use crate::page::{UNFOLDED, folded};
 use crate::words;
 use crumple_artifact::records::{AnsweredByV1, PredictionV1};
@@ -45,10 +45,13 @@ pub(super) fn write_first(out: &mut String, run: &Run, ranking: &Ranking, status
     out.push_str(&format!("</tbody>\n</table></div>\n{caption}{more}</section>\n"));
 }
 
+/// How a crush is shown in a column of mm.
+const IN_MM: (f64, usize, &str) = (MILLI, 0, "");
+
 fn first_row(out: &mut String, run: &Run, prediction: &PredictionV1) {
-    let mm = |m: f64| words::decimals(MILLI * m, 0);
     let or_absent = |text: Option<String>| text.unwrap_or_else(|| ABSENT.to_owned());
     let interval = prediction.intervals.iter().find(|interval| interval.name == "dynamic_crush_m");
+    let ends = interval.map(|interval| (interval.low, interval.high));
     let range = match prediction.extrapolates {
         true => "beyond",
         false if run.is_as_tested(prediction) => "as tested",
@@ -69,8 +72,8 @@ fn first_row(out: &mut String, run: &Run, prediction: &PredictionV1) {
         "<tr><td class=\"n\">{}{other}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>\
          <td{}>{range}</td></tr>\n",
         words::at_most(KM_PER_H_PER_M_PER_S * prediction.impact_speed_m_per_s, 1),
-        or_absent(prediction.dynamic_crush_m.map(mm)),
-        or_absent(interval.map(|interval| words::between(&mm(interval.low), &mm(interval.high)))),
+        or_absent(prediction.dynamic_crush_m.map(|crush_m| words::rounded(crush_m, ends, IN_MM))),
+        or_absent(ends.map(|both| words::ends(both, ends, IN_MM))),
         or_absent(peak),
         if prediction.extrapolates { " class=\"no\"" } else { "" }
     ));
@@ -94,7 +97,7 @@ pub(super) fn write(out: &mut String, run: &Run, status: Option<Status>) {
     ];
     out.push_str(&format!("<section id=\"predictions\">\n{}{}", folded("Predictions"), table("", &columns)));
     for prediction in &run.predictions {
-        row(out, prediction, status);
+        row(out, run, prediction, status);
     }
     out.push_str(&format!(
         "</tbody>\n</table></div>\n<p class=\"caption\">The models of this test at other speeds and masses, against \
@@ -105,15 +108,17 @@ pub(super) fn write(out: &mut String, run: &Run, status: Option<Status>) {
     ));
 }
 
-fn row(out: &mut String, prediction: &PredictionV1, status: Option<Status>) {
+fn row(out: &mut String, run: &Run, prediction: &PredictionV1, status: Option<Status>) {
     let cell = |value: Option<f64>, name: &str, factor: f64, digits: usize| {
         let Some(value) = value else { return format!("<td class=\"n\">{ABSENT}</td>") };
-        let interval = prediction.intervals.iter().find(|interval| interval.name == name).map(|interval| {
-            let end = |end: f64| words::decimals(factor * end, digits);
-            let ends = words::between(&end(interval.low), &end(interval.high));
+        let interval = prediction.intervals.iter().find(|interval| interval.name == name);
+        let known = interval.map(|interval| (interval.low, interval.high));
+        let shown = (factor, digits, "");
+        let interval = interval.map(|interval| {
+            let ends = words::ends((interval.low, interval.high), known, shown);
             format!("<br><span tabindex=\"0\" title=\"{}\">[{ends}]</span>", html(&interval.interval_by))
         });
-        format!("<td class=\"n\">{}{}</td>", words::decimals(factor * value, digits), interval.unwrap_or_default())
+        format!("<td class=\"n\">{}{}</td>", words::rounded(value, known, shown), interval.unwrap_or_default())
     };
     let remarks: String = prediction.notes.iter().map(|note| format!("<li>{}</li>", html(note))).collect();
     let partner = partner(prediction);
@@ -130,7 +135,7 @@ fn row(out: &mut String, prediction: &PredictionV1, status: Option<Status>) {
         if prediction.recommended { " class=\"best\"" } else { "" },
         words::decimals(KM_PER_H_PER_M_PER_S * prediction.impact_speed_m_per_s, 1),
         words::decimals(prediction.mass_kg, 0),
-        html(&candidate_name(&prediction.candidate)),
+        html(&capitalised(&run.name_of(&prediction.candidate))),
         html(&names),
         cell(prediction.dynamic_crush_m, "dynamic_crush_m", MILLI, 0),
         cell(prediction.time_of_dynamic_crush_s, "time_of_dynamic_crush_s", MILLI, 1),
@@ -202,7 +207,7 @@ pub(super) fn write_left_out(out: &mut String, run: &Run) {
         "<section id=\"tests\">\n<h2>The tests, and each predicted from the others</h2>\n{}",
         table("", &columns)
     ));
-    joint.tests.iter().for_each(|test| test_row(out, test));
+    joint.tests.iter().for_each(|test| test_row(out, run, test));
     out.push_str(
         "</tbody>\n</table></div>\n<p class=\"caption\">Mass, speed, dynamic crush C, its time t<sub>m</sub> and \
          restitution e of each test as measured; then what a model of the other tests alone says of it, less what was \
@@ -210,7 +215,7 @@ pub(super) fn write_left_out(out: &mut String, run: &Run) {
     );
 }
 
-fn test_row(out: &mut String, joint: &TestOfJointModel) {
+fn test_row(out: &mut String, run: &Run, joint: &TestOfJointModel) {
     let number = |value: Option<f64>, text: &dyn Fn(f64) -> String| {
         format!("<td class=\"n\">{}</td>", value.map_or_else(|| ABSENT.to_owned(), text))
     };
@@ -230,7 +235,10 @@ fn test_row(out: &mut String, joint: &TestOfJointModel) {
             out.push_str(&number(against.iso18571_score, &|v| words::decimals(v, 2)));
             let held = if against.held.iter().any(|name| name == "dynamic_crush_m") { "yes" } else { "no" };
             let class = if against.missed_crush_percent().is_some() { " class=\"no\"" } else { "" };
-            out.push_str(&format!("<td{class}>{held}</td><td>{}</td>", html(&candidate_name(&prediction.candidate))));
+            out.push_str(&format!(
+                "<td{class}>{held}</td><td>{}</td>",
+                html(&capitalised(&run.name_of(&prediction.candidate)))
+            ));
         }
         (LeftOut::NotPredicted(why), _) => {
             out.push_str(&format!("<td colspan=\"6\">not predicted: {}</td>", html(why)));

@@ -2,7 +2,7 @@
 
 use crate::drawing::escape::html;
 use crate::drawing::numbers::ABSENT;
-use crate::findings::{CandidateResult, Ranking, Run, candidate_name};
+use crate::findings::{CandidateResult, Ranking, Run, capitalised};
 use crate::page::{UNFOLDED, folded};
 use crate::words;
 use crumple_artifact::records::{RatingV1, SimulationV1};
@@ -66,7 +66,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     }
     out.push_str("</tr></thead>\n<tbody>\n");
     for (candidate, simulation) in &rows {
-        row(out, candidate, simulation, ranking);
+        row(out, run, ranking, candidate, simulation);
     }
     out.push_str("</tbody>\n</table></div>\n");
     caption(out, &rows);
@@ -82,12 +82,12 @@ fn mark<'a>(rows: &[(&CandidateResult, &'a SimulationV1)], quantity: &str, id: &
     rows.iter().find_map(|(_, simulation)| find(simulation, quantity, id)).map(|rating| rating.mark.as_str())
 }
 
-fn row(out: &mut String, candidate: &CandidateResult, simulation: &SimulationV1, ranking: &Ranking) {
+fn row(out: &mut String, run: &Run, ranking: &Ranking, candidate: &CandidateResult, simulation: &SimulationV1) {
     let best = ranking.best.as_deref() == Some(&candidate.id);
     out.push_str(&format!(
         "<tr{}><td>{}</td>",
         if best { " class=\"best\"" } else { "" },
-        html(&candidate_name(&candidate.id))
+        html(&capitalised(&run.name_of(&candidate.id)))
     ));
     let percent = |fit: Option<f64>| {
         let shown = fit.map_or_else(|| ABSENT.to_owned(), |fit| words::decimals(fit, 2));

@@ -2,7 +2,7 @@
 
 use crate::drawing::escape::html;
 use crate::drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
-use crate::findings::candidate_name;
+use crate::findings::capitalised;
 use crate::findings::{CandidateResult, Ranking, Run};
 use crumple_artifact::records::CandidateV1;
 use crumple_lumped::{Element, Extrapolation, ForceDeflection, Node, PiecewiseLinear, structure_of};
@@ -35,7 +35,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking, files: &Page
          <div class=\"controls\"></div>\n<p class=\"answer\" aria-live=\"polite\"></p>\n\
          <div class=\"panels\">{PANEL}{PANEL}</div>\n<p class=\"caption state\"></p>\n</section>\n\
          {}{}",
-        html(&candidate_name(&candidate.id)),
+        html(&capitalised(&run.name_of(&candidate.id))),
         json_element("what-if-data", &data),
         files.script(SCRIPT)
     ));

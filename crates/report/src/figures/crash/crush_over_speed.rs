@@ -2,7 +2,7 @@
 
 use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, Symbol, Width};
-use crate::findings::{Ranking, Run, candidate_name};
+use crate::findings::{Ranking, Run, capitalised};
 use crate::words;
 use crumple_artifact::records::PredictionV1;
 
@@ -18,7 +18,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let mut figure = Figure::new("crush-over-speed", "Dynamic crush over impact speed");
     let tests = figure.entry("tests as measured", Look::marks(Colour::Test, Symbol::Ring), true);
     let look = Look::line(Colour::Series(0), Dash::Solid).width(Width::Thick);
-    let line = figure.entry(candidate_name(best), look, true);
+    let line = figure.entry(capitalised(&run.name_of(best)), look, true);
     let band = figure.entry("its 90 % interval", Look::area(Colour::Series(0)), true);
     let km_per_h = |speed: f64| KM_PER_H_PER_M_PER_S * speed;
     let mut panel = Panel::new(Axis::new("impact speed, km/h"), Axis::new("dynamic crush, mm"));

@@ -3,7 +3,7 @@
 use crate::drawing::numbers::{KILO, MILLI};
 use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, over};
 use crate::figures::time_view::FORCE;
-use crate::findings::{CandidateResult, Ranking, Run, candidate_name};
+use crate::findings::{CandidateResult, Ranking, Run};
 
 /// Of the best candidate, or of the first in rank without one; `None` where no forces are at hand.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
@@ -37,7 +37,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     figure.caption = format!(
         "Force in each spring and damper of {}, against {against}, over the compared window. The area below a curve \
          is the work the element takes up.",
-        candidate_name(&candidate.id)
+        run.name_of(&candidate.id)
     );
     figure.panels.push(panel);
     Some(figure.tidy())

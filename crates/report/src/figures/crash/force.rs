@@ -123,15 +123,12 @@ fn load_cells(cells: &Sampled, displacement: &Sampled, t_end: f64) -> Vec<[f64; 
 fn caption(run: &Run, crush: Option<f64>, loading: &Branch, unloading: &Branch) -> String {
     let with_unit = |value: f64, unit: &str| format!("{}{NBSP}{unit}", words::significant(value, 4));
     let mut caption = String::from(" ");
-    if let Some(crush) = crush
-        && run.test.mass_kg.is_some()
-        && run.measured.force.is_some()
-    {
+    if crush.is_some() && run.test.mass_kg.is_some() && run.measured.force.is_some() {
         let work = with_unit(KILO * loading.work(), "kJ");
-        let stiffness = with_unit(KILO * 2.0 * loading.work() / (crush * crush), "kN/m");
-        caption.push_str(&format!(
-            "Loading takes up {work}; a linear spring with the same work at the same crush has {stiffness}. "
-        ));
+        let spring = run
+            .one_spring()
+            .map(|spring| format!("; one spring with the energy and the crush of the test has {}", spring.shown()));
+        caption.push_str(&format!("Loading takes up {work}{}. ", spring.unwrap_or_default()));
         if !unloading.x.is_empty() {
             let work = with_unit(KILO * -unloading.work(), "kJ");
             caption.push_str(&format!("Unloading gives {work} back. "));

@@ -138,9 +138,7 @@ mod tests {
     fn a_fitted_model_is_drawn_where_coefficient_matching_did_not_run() {
         let (run, ranking) = fitted_run();
         let figure = figure(&run, &ranking).unwrap();
-        assert!(
-            figure.caption.starts_with("Parameter sets with the same poles as Double spring-mass-damper, direct fit 1")
-        );
+        assert!(figure.caption.starts_with("Parameter sets with the same poles as double spring-mass-damper (fitted)"));
         assert!(figure.caption.ends_with("m2/m1 = 3.00, is one of them."), "{}", figure.caption);
     }
 }

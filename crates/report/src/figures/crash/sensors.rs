@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crate::drawing::{Axis, Colour, Dash, Figure, Look, Width, over_time};
-use crate::findings::{CandidateResult, Ranking, Run, SensorMotion, candidate_name};
+use crate::findings::{CandidateResult, Ranking, Run, SensorMotion};
 use crumple_signal::Sampled;
 
 use super::curves::view_ms;
@@ -50,7 +50,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let best = ranking.best.as_deref().and_then(|id| run.candidate(id));
     if let Some(best) = best.filter(|best| best.displacement.is_some()) {
         push(
-            format!("compartment of {}", candidate_name(&best.id)),
+            format!("compartment of {}", run.name_of(&best.id)),
             Look::line(Colour::Event, Dash::Dashed),
             true,
             best.velocity.as_ref(),
@@ -74,7 +74,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         for (candidate, mass) in models {
             let Some((x, v)) = candidate.masses.get(mass - 1) else { continue };
             push(
-                format!("mass {mass} of {}", candidate_name(&candidate.id)),
+                format!("mass {mass} of {}", run.name_of(&candidate.id)),
                 Look::of_series(series),
                 shown.contains(candidate.id.as_str()),
                 v.as_ref(),

@@ -2,8 +2,8 @@
 
 use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crate::words;
-use crumple_artifact::records::{EventsV1, MetricV1, ModeV1, PredictedIntervalV1, PredictionV1, StabilizationV1};
-use crumple_signal::key_quantities::{CRUSH, DELTA_V, KeyQuantity, OLC, PEAK, STIFFNESS, STROKE};
+use crumple_artifact::records::{EventsV1, MetricV1, ModeV1, PredictionV1, StabilizationV1};
+use crumple_signal::key_quantities::{CRUSH, DELTA_V, OLC, PEAK, STIFFNESS, STROKE};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 use std::borrow::Cow;
@@ -18,9 +18,11 @@ use crate::findings::conclusions::status::{
 use crate::findings::conclusions::uses::{Soundness, Use, good_for, soundness};
 use crate::findings::results::ranking::none_recommended;
 use crate::findings::results::run::not_determined;
-use crate::findings::text::{DEFLECTION, deflection_of_knot, listed, symbols};
-use crate::findings::text::{as_sentence, candidate_name, model_name};
-use crate::findings::{CandidateResult, Ranking, Run};
+use crate::findings::text::{DEFLECTION, as_sentence, deflection_of_knot, listed, symbols};
+use crate::findings::{CandidateResult, OneSpring, Ranking, Run};
+
+/// How a number is shown: factor to its unit, decimals, unit.
+type Shown = (f64, usize, &'static str);
 
 /// How counts are shown: factor, decimals, unit.
 const COUNT: (f64, usize, &str) = (1.0, 0, "");
@@ -206,10 +208,10 @@ impl<'a> Text<'a> {
                 format!("use its crush only: the model misses the {} of its own test", listed(&names))
             }
             Reason::Weak { candidate } => {
-                format!("the evidence is weak: {} fits nearly as well", candidate_name(candidate))
+                format!("the evidence is weak: {} fits nearly as well", self.run.name_of(candidate))
             }
             Reason::Contrary { candidate } => {
-                let model = candidate_name(candidate);
+                let model = self.run.name_of(candidate);
                 format!("chosen for its crush at lower speeds: {model} follows the pulse closer")
             }
             Reason::OtherAxis { axis } => {
@@ -299,17 +301,24 @@ impl<'a> Text<'a> {
         self.run.candidate(self.ranking.best.as_deref()?)
     }
 
-    /// ` (739.8 to 759.1)`.
-    pub(super) fn interval(
-        &mut self,
-        at: &str,
-        low: f64,
-        high: f64,
-        (factor, places, _): (f64, usize, &str),
-    ) -> String {
-        let low = self.number(&format!("{at}/low"), low, (factor, places, ""));
-        let high = self.number(&format!("{at}/high"), high, (factor, places, ""));
+    /// A number of the summary with the digits that its interval supports.
+    pub(super) fn rounded(&mut self, at: &str, value: f64, ends: Option<(f64, f64)>, shown: Shown) -> String {
+        let text = words::rounded(value, ends, shown);
+        self.numbers.push(Number { at: at.to_owned(), value, shown: text.clone() });
+        text
+    }
+
+    /// ` (740 to 759)`.
+    pub(super) fn interval(&mut self, at: &str, (low, high): (f64, f64), (factor, places, _): Shown) -> String {
+        let [low, high] = [("low", low), ("high", high)]
+            .map(|(end, value)| self.rounded(&format!("{at}/{end}"), value, Some((low, high)), (factor, places, "")));
         format!(" ({})", words::between(&low, &high))
+    }
+
+    /// The interval of an event.
+    fn ends_of_event(&self, field: &str) -> Option<(f64, f64)> {
+        let interval = self.run.events.as_ref()?.intervals.iter().find(|interval| interval.name == field)?;
+        Some((interval.low, interval.high))
     }
 
     fn crushed(&mut self) -> String {
@@ -317,7 +326,8 @@ impl<'a> Text<'a> {
         let Some((crush_m, time_s)) = events.dynamic_crush_m.zip(events.time_of_dynamic_crush_s) else {
             return NO_MOTION.to_owned();
         };
-        let crush = self.number("/events/dynamic_crush_m", crush_m, CRUSH.shown());
+        let ends = self.ends_of_event("dynamic_crush_m");
+        let crush = self.rounded("/events/dynamic_crush_m", crush_m, ends, CRUSH.shown());
         let time = self.number("/events/time_of_dynamic_crush_s", time_s, in_ms(time_s));
         let rebound = match (events.coefficient_of_restitution, events.rebound_velocity_m_per_s) {
             (Some(e), Some(velocity_m_per_s)) if e > 0.0 => {
@@ -337,7 +347,8 @@ impl<'a> Text<'a> {
     /// The change of velocity and its time.
     fn change_of_velocity(&mut self) -> Option<(String, Option<String>)> {
         let events = self.run.events.as_ref()?;
-        let change = self.number("/events/delta_v_m_per_s", events.delta_v_m_per_s?, DELTA_V.shown());
+        let ends = self.ends_of_event("delta_v_m_per_s");
+        let change = self.rounded("/events/delta_v_m_per_s", events.delta_v_m_per_s?, ends, DELTA_V.shown());
         let times = [
             ("/events/time_of_delta_v_s", events.time_of_delta_v_s),
             ("/events/time_of_rebound_s", events.time_of_rebound_s),
@@ -373,15 +384,16 @@ impl<'a> Text<'a> {
     fn changed(&mut self) -> Option<String> {
         let metric = |name: &str| self.run.metric(name).and_then(|metric: &MetricV1| Some((metric, metric.value?)));
         let delta_v = metric(DELTA_V.key)?;
-        let change = self.number("/metrics/delta_v/value", delta_v.1, DELTA_V.shown());
+        let ends = delta_v.0.low.zip(delta_v.0.high);
+        let change = self.rounded("/metrics/delta_v/value", delta_v.1, ends, DELTA_V.shown());
         let time = delta_v.0.to_s.map_or_else(String::new, |time_s| {
             let time = self.number("/metrics/delta_v/to_s", time_s, in_ms(time_s));
             format!(" within {time}")
         });
         let [peak, olc, stroke] = [(PEAK, "a peak"), (OLC, "an OLC"), (STROKE, "a stroke")].map(|(quantity, words)| {
-            let KeyQuantity { key, factor, decimals, unit, .. } = quantity;
-            let Some((_, value)) = metric(key) else { return String::new() };
-            format!(", {words} of {}", self.number(&format!("/metrics/{key}/value"), value, (factor, decimals, unit)))
+            let Some((metric, value)) = metric(quantity.key) else { return String::new() };
+            let (at, ends) = (format!("/metrics/{}/value", quantity.key), metric.low.zip(metric.high));
+            format!(", {words} of {}", self.rounded(&at, value, ends, quantity.shown()))
         });
         let bound = bound_of_change(self.run);
         Some(format!("The record gives a delta-v of {bound}{change}{time}{peak}{olc}{stroke}."))
@@ -465,13 +477,11 @@ impl<'a> Text<'a> {
     /// One stiffness for a curve on one mass: that of the spring with the energy and the crush of the test.
     fn one_spring(&mut self, best: &CandidateResult) -> Option<String> {
         let is_curve = best.record.parameters.keys().any(|name| name.starts_with("knot"));
-        let metric = self.run.metric("average_stiffness")?;
-        let value = metric.value.filter(|_| is_curve && best.record.parameters.contains_key("mass_kg"))?;
-        let at = "/metrics/average_stiffness";
-        let mut stiffness = self.number(&format!("{at}/value"), value, STIFFNESS.shown());
-        if let Some((low, high)) = metric.low.zip(metric.high) {
-            stiffness.push_str(&self.interval(at, low, high, STIFFNESS.shown()));
-        }
+        let is_of_one_mass = best.record.parameters.contains_key("mass_kg");
+        let spring = self.run.one_spring().filter(|_| is_curve && is_of_one_mass)?;
+        let at = format!("/metrics/{}", OneSpring::METRIC);
+        let mut stiffness = self.rounded(&format!("{at}/value"), spring.n_per_m, spring.ends, STIFFNESS.shown());
+        stiffness.extend(spring.ends.map(|ends| self.interval(&at, ends, STIFFNESS.shown())));
         Some(format!("One spring of {stiffness} has the same energy and crush."))
     }
 
@@ -481,7 +491,7 @@ impl<'a> Text<'a> {
             let beyond = if prediction.extrapolates { ", beyond the test," } else { "" };
             format!(": {scenario}{beyond} it gives {crush}{interval}")
         });
-        format!("For other speeds use {}{}.", name_of_model(best), predicts.unwrap_or_default())
+        format!("For other speeds use {}{}.", best.in_a_sentence(), predicts.unwrap_or_default())
     }
 
     /// What the recommended model gives for an impact that a person asked for, whatever speaks against its use.
@@ -489,7 +499,7 @@ impl<'a> Text<'a> {
         let best = self.best()?;
         answer(self.run, best).filter(|(_, prediction)| prediction.asked)?;
         let (_, [scenario, crush, interval]) = self.given(best)?;
-        Some(format!("Asked for: {scenario} {} gives {crush}{interval}.", name_of_model(best)))
+        Some(format!("Asked for: {scenario} {} gives {crush}{interval}.", best.in_a_sentence()))
     }
 
     /// The prediction that answers, and its impact, crush and interval in words.
@@ -497,10 +507,10 @@ impl<'a> Text<'a> {
         let (place, prediction) = answer(self.run, best)?;
         let crush_m = prediction.dynamic_crush_m?;
         let (at, scenario) = (format!("/predictions/{place}"), self.scenario(place));
-        let crush = self.number(&format!("{at}/dynamic_crush_m"), crush_m, CRUSH.shown());
-        let interval = interval_of_crush(prediction).map(|(j, &PredictedIntervalV1 { low, high, .. })| {
-            self.interval(&format!("{at}/intervals/{j}"), low, high, CRUSH.shown())
-        });
+        let known = interval_of_crush(prediction).map(|(j, interval)| (j, (interval.low, interval.high)));
+        let ends = known.map(|(_, ends)| ends);
+        let crush = self.rounded(&format!("{at}/dynamic_crush_m"), crush_m, ends, CRUSH.shown());
+        let interval = known.map(|(j, ends)| self.interval(&format!("{at}/intervals/{j}"), ends, CRUSH.shown()));
         Some((prediction, [scenario, crush, interval.unwrap_or_default()]))
     }
 
@@ -576,7 +586,7 @@ impl<'a> Text<'a> {
         let to_s = run.candidates[place].simulation.as_ref()?.to_s;
         let fit = self.follows(&run.candidates[place])?;
         let time = self.number(&format!("/candidates/{place}/simulation/to_s"), to_s, in_ms(to_s));
-        Some(format!("The closest, {}, has a displacement fit of {fit} up to {time}.", candidate_name(id)))
+        Some(format!("The closest, {}, has a displacement fit of {fit} up to {time}.", run.name_of(id)))
     }
 }
 
@@ -585,11 +595,4 @@ pub(crate) fn with_mass_against(mass: Option<String>, partner: Option<&str>) -> 
     let mass = mass.map(|mass| format!(" with {mass}"));
     let partner = partner.map(|partner| format!(" against {partner}"));
     mass.into_iter().chain(partner).collect()
-}
-
-fn name_of_model(candidate: &CandidateResult) -> String {
-    match candidate.record.model.as_str() {
-        "force-deflection" => "the force-deflection curve".to_owned(),
-        other => format!("the {} model", model_name(other)),
-    }
 }

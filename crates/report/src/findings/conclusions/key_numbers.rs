@@ -113,16 +113,15 @@ impl KeyNumber {
         KeyQuantity::of(&self.name).unwrap_or(&UNKNOWN)
     }
 
-    /// Its value with the unit of people.
-    pub fn shown(&self, value: f64) -> String {
-        let (factor, decimals, unit) = self.quantity().shown();
-        words::quantity(factor * value, decimals, unit)
+    /// Its interval, SI.
+    pub fn interval(&self) -> Option<(f64, f64)> {
+        self.low.zip(self.high)
     }
 
-    /// Two values of it, the unit behind the second.
+    /// Two values of it, rounded as its interval asks, the unit behind the second.
     pub fn range(&self, low: f64, high: f64) -> String {
-        let (factor, decimals, _) = self.quantity().shown();
-        words::between(&words::decimals(factor * low, decimals), &self.shown(high))
+        let shown = self.quantity().shown();
+        words::with_unit(words::ends((low, high), self.interval(), shown), shown.2)
     }
 
     /// The side from which the force of a direction came, by the part of the change of velocity along y, to the right

@@ -15,7 +15,8 @@ impl Text<'_> {
             // The summary has a name once, as the run finds it.
             let metric = self.run.metric(quantity.key).and_then(|metric| metric.value.zip(Some(metric)));
             let Some((value, metric)) = metric else { continue };
-            let number = self.number(&format!("/metrics/{}/value", quantity.key), value, quantity.shown());
+            let (at, ends) = (format!("/metrics/{}/value", quantity.key), metric.low.zip(metric.high));
+            let number = self.rounded(&at, value, ends, quantity.shown());
             criteria.push(format!("{} {}{number}", quantity.symbol, sign_of(self.run, metric)));
         }
         let criteria = if criteria.is_empty() { String::new() } else { format!(": {}", criteria.join(", ")) };
@@ -50,8 +51,8 @@ impl Text<'_> {
     fn of_table(&mut self, quantity: &KeyQuantity) -> Option<[String; 2]> {
         let metric = self.run.metric(quantity.key)?;
         let (at, ends) = (format!("/metrics/{}", quantity.key), metric.low.zip(metric.high));
-        let shown = self.number(&format!("{at}/value"), metric.value?, quantity.shown());
-        let interval = ends.map(|(low, high)| self.interval(&at, low, high, quantity.shown()));
+        let shown = self.rounded(&format!("{at}/value"), metric.value?, ends, quantity.shown());
+        let interval = ends.map(|ends| self.interval(&at, ends, quantity.shown()));
         Some([shown, interval.unwrap_or_default()])
     }
 

@@ -1,13 +1,12 @@
 //! The numbers of a run in a few lines, as the console shows them below the verdict.
 
 use crate::words;
-use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::drawing::numbers::{MILLI, digits_of_interval};
-use crumple_artifact::records::{Certainty, IntervalSourceV1};
+use crate::drawing::numbers::MILLI;
+use crumple_artifact::records::Certainty;
 use crumple_signal::About;
-use crumple_signal::key_quantities::{CRUSH, KeyQuantity, PEAK, STIFFNESS};
+use crumple_signal::key_quantities::{CRUSH, PEAK};
 use crumple_stage::{by_way, program};
 
 use crate::findings::conclusions::concerns::{
@@ -16,8 +15,8 @@ use crate::findings::conclusions::concerns::{
 use crate::findings::conclusions::conclusion::Conclusion;
 use crate::findings::conclusions::kind::Kind;
 use crate::findings::conclusions::status::{Status, StatusReason};
-use crate::findings::text::candidate_name;
-use crate::findings::text::{parameter, parameter_order};
+use crate::findings::results::parameters::ShownParameter;
+use crate::findings::text::{capitalised, parameter_order};
 use crate::findings::{CandidateResult, Ranking, Run, Summary};
 
 /// Parameters of a curve of many knots are not listed beyond so many.
@@ -61,8 +60,7 @@ pub fn overview(run: &Run, ranking: &Ranking, summary: &Summary, folder: &Path) 
         let is_over_ground = verdict.kind == Kind::TwoVehicles && number.name == CRUSH.key;
         let label = if is_over_ground { "motion over ground" } else { number.quantity().console };
         let Some(value) = number.value else { continue };
-        let ends = number.low.zip(number.high);
-        let own = with_interval(value, ends, number.interval_source, number.quantity());
+        let own = words::with_interval(value, number.interval(), number.interval_source, number.quantity());
         let mut text = format!("{}{own}", number.bound());
         if let Some(at_s) = number.at_s.filter(|_| number.name == PEAK.key) {
             text.push_str(&format!(", {}", words::quantity(MILLI * at_s, 1, "ms")));
@@ -71,7 +69,7 @@ pub fn overview(run: &Run, ranking: &Ranking, summary: &Summary, folder: &Path) 
             text.push_str(&format!(", {side}"));
         }
         if let Some(spread) = number.spread.as_ref().filter(|_| number.interval_misses_a_sensor()) {
-            let range = without_unit(spread.low, spread.high, number.quantity());
+            let range = words::ends((spread.low, spread.high), number.interval(), number.quantity().shown());
             text.push_str(&format!("; {} sensors of the compartment: {range}", spread.sensors()));
         }
         lines.push(line(label, text));
@@ -129,27 +127,7 @@ fn said_already<'a>(ranking: &Ranking, verdict: &Conclusion, concerns: &'a [Conc
     said
 }
 
-/// `741 to 759`.
-fn without_unit(low: f64, high: f64, quantity: &KeyQuantity) -> String {
-    let [low, high] = [low, high].map(|end| words::decimals(quantity.factor * end, quantity.decimals));
-    words::between(&low, &high)
-}
-
-/// `750 mm (90 %: 741 to 759)`.
-fn with_interval(
-    value: f64,
-    ends: Option<(f64, f64)>,
-    source: Option<IntervalSourceV1>,
-    quantity: &KeyQuantity,
-) -> String {
-    let (factor, decimals, unit) = quantity.shown();
-    let number = words::quantity(factor * value, decimals, unit);
-    let Some((low, high)) = ends else { return number };
-    let level = words::level(source.and_then(IntervalSourceV1::level_percent));
-    format!("{number} ({level}{})", without_unit(low, high, quantity))
-}
-
-/// `Kelvin, direct fit 1: m 873 kg, k 330.0 kN/m (329.1 to 330.9), c ...`.
+/// `Kelvin model (fitted): m 873 kg, k 330.0 kN/m (329.1 to 330.9), c ...`.
 fn parameters(run: &Run, candidate: &CandidateResult, folder: &Path) -> String {
     let curve = curve(run, candidate);
     let mut names: Vec<&str> = candidate.record.parameters.keys().map(String::as_str).collect();
@@ -167,31 +145,27 @@ fn parameters(run: &Run, candidate: &CandidateResult, folder: &Path) -> String {
     let mut texts: Vec<String> = names.into_iter().map(|name| named_value(candidate, name)).collect();
     texts.extend(curve.map(|curve| format!("{curve}: {} {}", by_way("just curve", "crumple curve"), folder.display())));
     let more = if count > MOST_PARAMETERS { ", ..." } else { "" };
-    format!("{}: {}{more}{}", candidate_name(&candidate.id), texts.join(", "), candidate.about_intervals())
+    let name = capitalised(&run.name_of(&candidate.id));
+    format!("{name}: {}{more}{}", texts.join(", "), candidate.about_intervals())
 }
 
 /// `k 330.0 kN/m (329.1 to 330.9)`, with a question mark where it is not determined; what was not asked of the record,
 /// masses aside, is said to be given.
 fn named_value(candidate: &CandidateResult, name: &str) -> String {
-    let (symbol, value, unit) = parameter(&candidate.record.model, name, candidate.record.parameters[name]);
-    let value = words::significant(value, 4);
-    format!("{symbol} {value} {unit}{}", how_sure(candidate, name)).trim_end().to_owned()
+    let shown = ShownParameter::of(&candidate.record, name);
+    let sure = how_sure(candidate, name, &shown);
+    format!("{} {} {}{sure}", shown.symbol, shown.value, shown.unit).trim_end().to_owned()
 }
 
 /// ` (329.1 to 330.9)`, a question mark where a parameter is not determined, ` (given)` where nobody asked for it.
-fn how_sure(candidate: &CandidateResult, name: &str) -> String {
-    let known = candidate.record.uncertainty.as_ref();
-    let end = |ends: &BTreeMap<String, Option<f64>>| ends.get(name).copied().flatten();
-    let interval = known.and_then(|u| Some((end(&u.interval_low)?, end(&u.interval_high)?)));
-    let in_unit = |si: f64| parameter(&candidate.record.model, name, si).1;
-    let interval = interval.map_or_else(String::new, |(low, high)| {
-        let digits = digits_of_interval(low, high, 3);
-        let [low, high] = [low, high].map(|si| words::significant(in_unit(si), digits));
-        match candidate.record.parameters.get(name) {
-            Some(0.0) => format!(" (at most {high})"),
-            _ => format!(" ({})", words::between(&low, &high)),
+fn how_sure(candidate: &CandidateResult, name: &str, shown: &ShownParameter) -> String {
+    let interval = match &shown.ends {
+        Some([Some(_), Some(high)]) if candidate.record.parameters.get(name) == Some(&0.0) => {
+            format!(" (at most {high})")
         }
-    });
+        Some([Some(low), Some(high)]) => format!(" ({})", words::between(low, high)),
+        _ => String::new(),
+    };
     let is_mass = parameter_order(&candidate.record.model, name).0 == 0;
     match candidate.record.certainty(name) {
         Some(Certainty::Determined) => interval,
@@ -204,16 +178,16 @@ fn how_sure(candidate: &CandidateResult, name: &str) -> String {
 /// What the parameters of a knot of a force-deflection curve begin with.
 const KNOT: &str = "knot";
 
-/// `as one spring k 769 kN/m (750 to 790), curve of 4 knots to 750 mm`: of a candidate with deflections and forces. One
+/// `as one spring k 769 kN/m (750 to 790), knots to 750 mm`: of a candidate with deflections and forces. One
 /// stiffness for a curve on one mass is that of the spring with the energy and the crush of the test.
 fn curve(run: &Run, candidate: &CandidateResult) -> Option<String> {
     let parameters = &candidate.record.parameters;
     let deflections_m = (1..).map_while(|number| parameters.get(&format!("{KNOT}{number}_m")));
-    let (count, last_m) = deflections_m.enumerate().last().map(|(index, last_m)| (index + 1, last_m))?;
-    let curve = format!("curve of {count} knots to {}", words::quantity(MILLI * last_m, 0, "mm"));
-    let metric = run.metric("average_stiffness").filter(|_| parameters.contains_key("mass_kg"));
-    let Some((metric, value)) = metric.and_then(|metric| Some((metric, metric.value?))) else { return Some(curve) };
-    let ends = metric.low.zip(metric.high);
-    let stiffness = with_interval(value, ends, metric.source(), &STIFFNESS);
-    Some(format!("as one spring k {stiffness}, {curve}"))
+    let last_m = deflections_m.last()?;
+    let knots = format!("knots to {}", words::quantity(MILLI * last_m, 0, "mm"));
+    let spring = run.one_spring().filter(|_| parameters.contains_key("mass_kg"));
+    Some(match spring {
+        Some(spring) => format!("as one spring k {}, {knots}", spring.with_interval()),
+        None => knots,
+    })
 }

@@ -7,7 +7,7 @@ use crate::drawing::numbers::MILLI;
 use crate::findings::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::findings::conclusions::kind::Kind;
 use crate::findings::conclusions::several_tests::missed;
-use crate::findings::text::{candidate_name, symbols};
+use crate::findings::text::symbols;
 use crate::findings::{Ranking, Run};
 use crate::words;
 
@@ -128,7 +128,7 @@ pub fn own_remarks(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<Note> {
         found.push(TestsDisagree { tests }.into());
     }
     if let Some(best) = ranking.best.as_deref().and_then(|id| run.candidate(id)) {
-        let (id, model) = (&best.id, candidate_name(&best.id));
+        let (id, model) = (&best.id, run.name_of(&best.id));
         let named = |names: &[&str]| (!names.is_empty()).then(|| symbols(&best.record, names));
         // In the order in which the verdict distrusts them.
         if best.record.equivalent_to.is_some() {

@@ -15,9 +15,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::drawing::numbers::NBSP;
+use crate::findings::names::{name_among, the_model};
 use crate::findings::results::joint::JointTests;
 use crate::findings::results::model_output::ModelOutput;
-use crate::findings::text::{candidate_name, short};
+use crate::findings::text::short;
 
 /// Everything that is known about a run. Parts whose stage has not run are empty.
 #[derive(Debug, Clone, Default)]
@@ -250,6 +251,11 @@ impl CandidateResult {
         self.record.model == "chain"
     }
 
+    /// Its model within a sentence, without knots and method: `the elastoplastic spring`.
+    pub fn in_a_sentence(&self) -> String {
+        the_model(&self.record.model, &self.record.parameters)
+    }
+
     /// Displacement fit of its simulation, percent, as the record was measured; of the motion itself where that was not
     /// computed.
     pub fn fit_percent(&self) -> Option<f64> {
@@ -281,14 +287,7 @@ impl CandidateResult {
             *value != 0.0 && ends.iter().any(|ends| ends.get(name) == Some(&Some(*value)))
         };
         let widened = if self.record.parameters.iter().any(is_end) { ", stretched to hold the value" } else { "" };
-        format!("; 95{NBSP}% intervals for an exact mass and gain{widened}")
-    }
-
-    /// Its name, with that of the candidate that gives exactly the same record.
-    pub fn name_with_dual(&self) -> String {
-        let other = self.record.equivalent_to.as_deref();
-        let other = other.map_or_else(String::new, |other| format!(" or its dual {}", candidate_name(other)));
-        format!("{}{other}", candidate_name(&self.id))
+        format!("; 95{NBSP}% intervals, mass and sensor gain taken as exact{widened}")
     }
 
     /// Whether it is a chain of two whose masses were looked for by a sensor on the last one alone: their division
@@ -512,6 +511,12 @@ impl Run {
     /// The candidate of this id.
     pub fn candidate(&self, id: &str) -> Option<&CandidateResult> {
         self.candidates.iter().find(|candidate| candidate.id == id)
+    }
+
+    /// What a candidate is, in words that no other candidate of the run has: `Kelvin model (fitted)`. At the start of a
+    /// sentence or of a cell see [`capitalised`](crate::findings::capitalised).
+    pub fn name_of(&self, id: &str) -> String {
+        name_among(id, self.candidates.iter().map(|candidate| (&*candidate.id, &candidate.record.parameters)))
     }
 
     /// What the choice says of a candidate, where it was among them.

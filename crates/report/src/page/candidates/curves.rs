@@ -3,10 +3,11 @@
 use crate::drawing::escape::html;
 use crate::drawing::numbers::{ABSENT, KM_PER_H_PER_M_PER_S, MILLI};
 use crate::findings::{
-    CandidateResult, DistinctCurve, Ranking, Run, SAME_CURVE, SAME_RESTITUTION, candidate_name, distinct_curves,
+    CandidateResult, DistinctCurve, Ranking, Run, SAME_CURVE, SAME_RESTITUTION, capitalised, distinct_curves,
 };
 use crate::words;
 use crumple_artifact::records::{PredictionV1, RatedCandidateV1};
+use crumple_signal::key_quantities::CRUSH;
 
 use crate::frame::{Column, table};
 
@@ -138,7 +139,8 @@ fn about(run: &Run, curve: &DistinctCurve, candidate: &CandidateResult, rated: O
         let own = roles.iter().filter(|(_, named)| *named == Some(id));
         own.map(|(role, _)| format!(" <span class=\"badge\">{role}</span>")).collect()
     };
-    let mut about = format!("<strong>{}</strong>{}", html(&candidate_name(&candidate.id)), badges(&candidate.id));
+    let name = |id: &str| html(&capitalised(&run.name_of(id)));
+    let mut about = format!("<strong>{}</strong>{}", name(&candidate.id), badges(&candidate.id));
     if let Some(why) = rated.and_then(|rated| rated.not_adequate_because.as_deref()) {
         about.push_str(&format!("<br><span class=\"dual\">not adequate: {}</span>", html(why)));
     }
@@ -146,8 +148,8 @@ fn about(run: &Run, curve: &DistinctCurve, candidate: &CandidateResult, rated: O
         about.push_str("<br><span class=\"no\">not a passive structure</span>");
     }
     if !curve.same_curve.is_empty() {
-        let name = |id: &String| format!("<li>{}{}</li>", html(&candidate_name(id)), badges(id));
-        let names: String = curve.same_curve.iter().map(name).collect();
+        let item = |id: &String| format!("<li>{}{}</li>", name(id), badges(id));
+        let names: String = curve.same_curve.iter().map(item).collect();
         let count = curve.same_curve.len();
         about.push_str(&format!("<details><summary>same curve: {count} more</summary><ul>{names}</ul></details>"));
     }
@@ -162,10 +164,11 @@ fn predicted_crush(run: &Run, curve: &DistinctCurve, speed: f64) -> String {
         .find_map(|prediction| Some((prediction, prediction.dynamic_crush_m?)));
     let Some((prediction, crush)) = of_row else { return format!("<td class=\"n\">{ABSENT}</td>") };
     let interval = prediction.intervals.iter().find(|interval| interval.name == "dynamic_crush_m");
+    let known = interval.map(|interval| (interval.low, interval.high));
     let interval = interval.map_or_else(String::new, |interval| {
-        let [low, high] = [interval.low, interval.high].map(|end| words::decimals(MILLI * end, 0));
-        let ends = words::between(&low, &high);
+        let ends = words::ends((interval.low, interval.high), known, CRUSH.shown());
         format!("<br><span class=\"dual\" tabindex=\"0\" title=\"{}\">{ends}</span>", html(&interval.interval_by))
     });
-    format!("<td class=\"n\">{}{interval}</td>", words::decimals(MILLI * crush, 0))
+    let (factor, places, _) = CRUSH.shown();
+    format!("<td class=\"n\">{}{interval}</td>", words::rounded(crush, known, (factor, places, "")))
 }

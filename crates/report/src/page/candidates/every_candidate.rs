@@ -1,8 +1,8 @@
 //! Every candidate: parameters, what they answer with, which is best. Folded.
 
 use crate::drawing::escape::html;
-use crate::drawing::numbers::{ABSENT, MILLI, NBSP, digits_of_interval};
-use crate::findings::{CandidateResult, Ranking, Run, candidate_name, parameter, parameter_order};
+use crate::drawing::numbers::{ABSENT, MILLI, NBSP};
+use crate::findings::{CandidateResult, Ranking, Run, ShownParameter, capitalised, parameter, parameter_order};
 use crate::words;
 use crumple_artifact::records::Certainty;
 
@@ -30,12 +30,12 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     let mut rows: Vec<&CandidateResult> = run.candidates.iter().collect();
     rows.sort_by_key(|candidate| ranking.place(&candidate.id).unwrap_or(usize::MAX));
     for candidate in rows {
-        row(out, candidate, ranking);
+        row(out, run, ranking, candidate);
     }
     out.push_str("</tbody>\n</table></div>\n");
     if let Some(supported) = ranking.best_of_matching(run) {
         let dual = supported.record.equivalent_to.as_deref();
-        let name = |id: &str| html(&candidate_name(id));
+        let name = |id: &str| html(&run.name_of(id));
         let dual = dual.map(|other| format!(" and its dual {}, which this sensor cannot tell from it", name(other)));
         let fit = supported.fit_percent().map_or_else(|| ABSENT.to_owned(), |fit| words::decimals(fit, 2));
         out.push_str(&format!(
@@ -70,13 +70,14 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     out.push_str("</details>\n");
 }
 
-fn row(out: &mut String, candidate: &CandidateResult, ranking: &Ranking) {
+fn row(out: &mut String, run: &Run, ranking: &Ranking, candidate: &CandidateResult) {
     let CandidateResult { id, record, simulation, .. } = candidate;
     let best = ranking.best.as_deref() == Some(id);
     let place = ranking.place(id).map_or_else(|| ABSENT.to_owned(), |place| place.to_string());
-    let mut about = format!("<strong>{}</strong><br><code>{}</code>", html(&candidate_name(id)), html(id));
+    let name = html(&capitalised(&run.name_of(id)));
+    let mut about = format!("<strong>{name}</strong><br><code>{}</code>", html(id));
     if let Some(other) = &record.equivalent_to {
-        let other = html(&candidate_name(other));
+        let other = html(&run.name_of(other));
         about.push_str(&format!("<br><span class=\"dual\">dual of {other}: same record</span>"));
     }
     let mut remarks: Vec<String> = record.notes.iter().map(|note| html(note)).collect();
@@ -154,33 +155,29 @@ fn how_well_known(candidate: &CandidateResult) -> Vec<String> {
 
 /// `k = 321.9 ± 0.4 kN/m, 95 %: 321.1 to 322.7`, one parameter a line.
 fn parameters(candidate: &CandidateResult) -> String {
-    let deviations = candidate.record.uncertainty.as_ref().map(|u| &u.standard_deviation);
-    let mut parameters: Vec<(&String, &f64)> = candidate.record.parameters.iter().collect();
-    parameters.sort_by_key(|(name, _)| parameter_order(&candidate.record.model, name));
-    let lines: Vec<String> = parameters
+    let mut names: Vec<&String> = candidate.record.parameters.keys().collect();
+    names.sort_by_key(|name| parameter_order(&candidate.record.model, name));
+    let lines: Vec<String> = names
         .into_iter()
-        .map(|(name, &value)| {
-            let (symbol, shown, unit) = parameter(&candidate.record.model, name, value);
+        .map(|name| {
+            let shown = ShownParameter::of(&candidate.record, name);
+            let ShownParameter { symbol, value, unit, .. } = &shown;
             let on_bound = candidate.record.fit.as_ref().is_some_and(|fit| fit.active_bounds.contains(name));
             let no = |words: &str| format!(" <span class=\"no\">{words}</span>");
-            let (deviation, doubt) = match (candidate.doubt(name), deviations.and_then(|d| d.get(name))) {
+            let (deviation, doubt) = match (candidate.doubt(name), &shown.deviation) {
                 (Some(doubt), _) => (String::new(), no(doubt)),
                 (None, _) if candidate.record.certainty(name) == Some(Certainty::OrderOfMagnitude) => {
                     (String::new(), no("wide interval"))
                 }
                 (None, _) if on_bound => (String::new(), " (physical limit)".to_owned()),
-                (None, Some(&d)) => {
-                    let deviation = words::significant(parameter(&candidate.record.model, name, d).1, 2);
-                    (format!("{NBSP}±{NBSP}{deviation}"), String::new())
-                }
+                (None, Some(deviation)) => (format!("{NBSP}±{NBSP}{deviation}"), String::new()),
                 (None, None) => (String::new(), String::new()),
             };
-            let interval = if on_bound { String::new() } else { interval(candidate, name) };
+            let interval = if on_bound { String::new() } else { interval(&shown) };
             format!(
-                "<span tabindex=\"0\" title=\"{}\">{} = {}{deviation}{NBSP}{unit}{doubt}{interval}</span>",
+                "<span tabindex=\"0\" title=\"{}\">{} = {value}{deviation}{NBSP}{unit}{doubt}{interval}</span>",
                 html(name),
-                html(&symbol),
-                words::significant(shown, 4)
+                html(symbol)
             )
         })
         .collect();
@@ -188,14 +185,10 @@ fn parameters(candidate: &CandidateResult) -> String {
 }
 
 /// `; 95 %: 310 to 330`; an end that the record does not bound is "open".
-fn interval(candidate: &CandidateResult, name: &str) -> String {
-    let Some(u) = &candidate.record.uncertainty else { return String::new() };
-    let (Some(low), Some(high)) = (u.interval_low.get(name), u.interval_high.get(name)) else { return String::new() };
-    let digits = low.zip(*high).map_or(3, |(low, high)| digits_of_interval(low, high, 3));
-    let shown = |x: f64| words::significant(parameter(&candidate.record.model, name, x).1, digits);
-    let end = |end: &Option<f64>| end.map_or_else(|| "open".to_owned(), shown);
-    match (low, high) {
-        (None, None) => "; 95\u{a0}%: open".to_owned(),
-        _ => format!("; 95\u{a0}%: {}", words::between(&end(low), &end(high))),
+fn interval(shown: &ShownParameter) -> String {
+    match (&shown.ends, shown.interval()) {
+        (Some([None, None]), _) => "; 95\u{a0}%: open".to_owned(),
+        (_, Some(ends)) => format!("; 95\u{a0}%: {ends}"),
+        (_, None) => String::new(),
     }
 }

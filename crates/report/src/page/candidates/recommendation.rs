@@ -2,7 +2,7 @@
 
 use crate::drawing::escape::html;
 use crate::drawing::numbers::ABSENT;
-use crate::findings::{CandidateResult, Run, Status, candidate_name};
+use crate::findings::{CandidateResult, Run, Status, capitalised};
 use crate::words;
 use crumple_artifact::records::{PriorV1, RatedCandidateV1, RecommendationV1};
 
@@ -19,7 +19,7 @@ pub(super) fn write_roles(out: &mut String, run: &Run, status: Option<Status>) {
         ("Simplest", &choice.simplest, &choice.simplest_because),
         (CLOSEST, &choice.closest, &choice.closest_because),
     ] {
-        let model = id.as_deref().map_or_else(|| "none".to_owned(), candidate_name);
+        let model = id.as_deref().map_or_else(|| "none".to_owned(), |id| run.name_of(id));
         out.push_str(&format!("<li>{name}: <strong>{}</strong>, {}.</li>\n", html(&model), html(because)));
     }
     out.push_str("</ul>\n");
@@ -103,7 +103,7 @@ fn row(out: &mut String, run: &Run, choice: &RecommendationV1, rated: &RatedCand
         "<tr{}><td>{}</td><td>{}</td><td class=\"n\">{determined}</td><td class=\"n\">{}</td><td \
          class=\"n\">{}</td>{force}<td class=\"n\">{}</td>{terms}<td class=\"n\">{}</td><td>{adequate}</td></tr>\n",
         if choice.recommended.as_ref() == Some(&rated.id) { " class=\"best\"" } else { "" },
-        html(&candidate_name(&rated.id)),
+        html(&capitalised(&run.name_of(&rated.id))),
         html(match rated.class.as_str() {
             "plastic" => "plastic deformation",
             "damped" => "dampers",

@@ -1,6 +1,6 @@
 //! What profile likelihood, bootstrap and uncertain inputs say of a candidate's parameters, in words.
 
-use crate::drawing::numbers::NBSP;
+use crate::drawing::numbers::{NBSP, Rounding};
 use crate::findings::{CandidateResult, parameter, parameter_order};
 use crate::words;
 use crumple_artifact::records::{ProfileV1, ReplicatesV1};
@@ -37,8 +37,9 @@ fn replicates(name: &str, model: &str, r: &ReplicatesV1) -> String {
 /// `k1 430.2 to 763.3 kN/m`; an end that does not exist is "open".
 fn interval(model: &str, name: &str, low: Option<f64>, high: Option<f64>) -> String {
     let (symbol, _, unit) = parameter(model, name, 0.0);
-    let shown = |x: f64| words::significant(parameter(model, name, x).1, 4);
-    let end = |end: Option<f64>| end.map_or_else(|| "open".to_owned(), shown);
+    let [low, high] = [low, high].map(|end| end.map(|x| parameter(model, name, x).1));
+    let rounding = Rounding::of_ends(low, high).unwrap_or(Rounding::WITHOUT_INTERVAL);
+    let end = |end: Option<f64>| end.map_or_else(|| "open".to_owned(), |x| rounding.show(x));
     let unit = if unit.is_empty() { String::new() } else { format!("{NBSP}{unit}") };
     format!("{symbol} {}{unit}", words::between(&end(low), &end(high)))
 }
@@ -51,7 +52,7 @@ mod tests {
     fn an_interval_without_an_upper_end_is_open() {
         assert_eq!(
             interval("double-spring-mass-damper", "k1_n_per_m", Some(430_204.9), None),
-            "k1 430.2 to open\u{a0}kN/m"
+            "k1 430 to open\u{a0}kN/m"
         );
         assert_eq!(
             interval("kelvin", "dynamic_crush_m", Some(0.7412), Some(0.7593)),

@@ -6,10 +6,9 @@ mod parts;
 mod svg;
 
 use crate::drawing::escape::html;
-use crate::drawing::numbers::{ABSENT, KILO, KM_PER_H_PER_M_PER_S, MILLI, NBSP};
-use crate::findings::{CandidateResult, Ranking, Run, Status, candidate_name};
+use crate::drawing::numbers::{ABSENT, KM_PER_H_PER_M_PER_S, MILLI, NBSP};
+use crate::findings::{CandidateResult, Ranking, Run, Status, capitalised};
 use crate::words;
-use crumple_artifact::records::IntervalSourceV1;
 use layout::layout;
 use motion::motion;
 use parts::{ElementPart, Glyph, parts};
@@ -68,7 +67,7 @@ fn shown<'a>(run: &'a Run, ranking: &Ranking) -> Vec<(&'static str, &'a Candidat
 }
 
 fn write_one(out: &mut String, run: &Run, number: usize, role: &str, candidate: &CandidateResult) {
-    let name = candidate_name(&candidate.id);
+    let name = run.name_of(&candidate.id);
     out.push_str(&format!("<figure class=\"model\">\n<h3>{}: {}</h3>\n", html(role), html(&name)));
     match parts(candidate) {
         Some(parts) => {
@@ -130,7 +129,7 @@ fn words(run: &Run, candidate: &CandidateResult) -> String {
         format!("Chosen by sensors {}.", sensors.join(", "))
     }));
     if let Some(other) = &candidate.record.equivalent_to {
-        sentences.push(format!("{} gives the same record on this sensor.", html(&candidate_name(other))));
+        sentences.push(format!("{} gives the same record on this sensor.", html(&capitalised(&run.name_of(other)))));
     }
     sentences.extend(second_sensor(run, candidate));
     sentences.join(" ")
@@ -145,18 +144,8 @@ fn one_spring(run: &Run, candidate: &CandidateResult) -> Option<String> {
     if drawn.masses.len() > 1 || !has_a_curve || has_a_stiffness {
         return None;
     }
-    let metric = run.metric("average_stiffness")?;
-    let shown = |si: f64, unit: &str| words::quantity(KILO * si, 0, unit);
-    let interval = metric.low.zip(metric.high).map(|(low, high)| {
-        let level = words::level(metric.source().and_then(IntervalSourceV1::level_percent));
-        let ends = words::between(&shown(low, ""), &shown(high, "kN/m"));
-        format!(" ({level}{ends})")
-    });
-    Some(format!(
-        "One spring with the energy and the crush of the test: <strong>k{NBSP}={NBSP}{}{}</strong>.",
-        shown(metric.value?, "kN/m"),
-        interval.unwrap_or_default()
-    ))
+    let stiffness = run.one_spring()?.with_interval();
+    Some(format!("One spring with the energy and the crush of the test: <strong>k{NBSP}={NBSP}{stiffness}</strong>."))
 }
 
 /// `96 (engine, top)`.

@@ -3,8 +3,8 @@
 use crate::words;
 use std::collections::BTreeMap;
 
-use crate::drawing::numbers::{KILO, digits_of_interval};
-use crate::findings::{CandidateResult, parameter};
+use crate::drawing::numbers::KILO;
+use crate::findings::{CandidateResult, ShownParameter};
 use crumple_artifact::records::Certainty;
 use crumple_lumped::{
     Chain, Element, Model, ModelKind, Node, ParameterKind, Place, Structure, parameter_kind, structure_of,
@@ -71,7 +71,8 @@ pub fn parts(candidate: &CandidateResult) -> Option<Parts> {
         .map(|(i, kg)| {
             let name = owners.iter().find(|(_, place)| **place == Place::Mass(i)).map(|(name, _)| name.as_str());
             let known = name.map(|name| Known::of(candidate, name)).unwrap_or_default();
-            let mut lines = vec![format!("{} kg{}", words::significant(*kg, 4), if known.open { " ?" } else { "" })];
+            let value = known.value.unwrap_or_else(|| words::significant(*kg, 4));
+            let mut lines = vec![format!("{value} kg{}", if known.open { " ?" } else { "" })];
             // The mark says that it is in doubt; there is no room for more.
             lines.extend(known.interval.filter(|_| !known.open));
             MassPart { symbol: numbered("m", i, alone), lines, open: known.open }
@@ -106,6 +107,8 @@ fn owners(model: &str, parameters: &BTreeMap<String, f64>) -> Option<BTreeMap<St
 /// What is known of one parameter.
 #[derive(Debug, Clone, Default)]
 struct Known {
+    /// Its value in the unit of the page.
+    value: Option<String>,
     open: bool,
     interval: Option<String>,
 }
@@ -113,29 +116,25 @@ struct Known {
 impl Known {
     fn of(candidate: &CandidateResult, name: &str) -> Self {
         let record = &candidate.record;
+        let shown = ShownParameter::of(record, name);
+        let value = Some(shown.value);
         if let Some(doubt) = candidate.doubt(name) {
-            return Self { open: true, interval: Some(doubt.to_owned()) };
+            return Self { value, open: true, interval: Some(doubt.to_owned()) };
         }
         let open = record.certainty(name) == Some(Certainty::OrderOfMagnitude);
         let is_zero = record.parameters.get(name) == Some(&0.0);
         let on_bound = record.fit.as_ref().is_some_and(|fit| fit.active_bounds.iter().any(|bound| bound == name));
         if on_bound && !open {
-            return Self { open, interval: Some("physical limit".to_owned()) };
+            return Self { value, open, interval: Some("physical limit".to_owned()) };
         }
-        let end = |ends: &BTreeMap<String, Option<f64>>| ends.get(name).copied();
-        let ends = record.uncertainty.as_ref().and_then(|u| Some((end(&u.interval_low)?, end(&u.interval_high)?)));
-        let shown = |value: f64, digits: usize| words::significant(parameter(&record.model, name, value).1, digits);
-        let interval = ends.map(|ends| match ends {
-            (_, Some(high)) if is_zero => format!("at most {}", shown(high, 3)),
-            (Some(low), Some(high)) => {
-                let digits = digits_of_interval(low, high, 3);
-                words::between(&shown(low, digits), &shown(high, digits))
-            }
-            (Some(low), None) => format!("above {}", shown(low, 3)),
-            (None, Some(high)) => format!("below {}", shown(high, 3)),
-            (None, None) => "open".to_owned(),
+        let interval = shown.ends.map(|ends| match ends {
+            [_, Some(high)] if is_zero => format!("at most {high}"),
+            [Some(low), Some(high)] => words::between(&low, &high),
+            [Some(low), None] => format!("above {low}"),
+            [None, Some(high)] => format!("below {high}"),
+            [None, None] => "open".to_owned(),
         });
-        Self { open, interval }
+        Self { value, open, interval }
     }
 }
 
@@ -173,9 +172,9 @@ fn element(
     };
     let mut lines = Vec::new();
     let mut value = |symbol: &str, name: &str, may_be_open: bool| {
-        let (_, shown, unit) = parameter(&record.model, name, record.parameters[name]);
+        let ShownParameter { value, unit, .. } = ShownParameter::of(record, name);
         let doubt = if may_be_open && known[name].open { " ?" } else { "" };
-        lines.push(format!("{symbol} {} {unit}{doubt}", words::significant(shown, 4)));
+        lines.push(format!("{symbol} {value} {unit}{doubt}"));
         lines.extend(known[name].interval.clone());
     };
     let (glyph, letter) = match &connection.element {
@@ -241,7 +240,8 @@ fn words_of_curve(
         let at_knot = format!("knot{index}_n");
         let known = known.iter().find(|(name, _)| name.ends_with(at_knot.as_str())).map(|(_, known)| known);
         let doubt = if known.is_some_and(|known| known.open) { " ?" } else { "" };
-        let (force, deflection) = (words::significant(1e-3 * force, 3), words::significant(1e3 * deflection, 3));
+        let force = known.and_then(|known| known.value.clone()).unwrap_or_else(|| words::significant(KILO * force, 3));
+        let deflection = words::significant(1e3 * deflection, 3);
         lines.push(format!("{symbol} up to {force} kN at {deflection} mm{doubt}"));
         lines.extend(known.and_then(|known| known.interval.clone()));
     }
