@@ -75,7 +75,14 @@ fn write_one(out: &mut String, run: &Run, number: usize, role: &str, candidate: 
             let speed = speed.map(|v| format!("{} km/h", words::decimals(KM_PER_H_PER_M_PER_S * v, 1)));
             let layout = layout(&parts);
             let motion = view_ms(run).and_then(|[_, until_ms]| motion(candidate, &layout, until_ms));
-            out.push_str(&svg::drawing(number, &name, &parts, &layout, motion.as_ref(), speed.as_deref()));
+            out.push_str(&svg::drawing(
+                number,
+                &capitalised(&name),
+                &parts,
+                &layout,
+                motion.as_ref(),
+                speed.as_deref(),
+            ));
         }
         None => out.push_str("<p>No structure of masses and elements belongs to this model.</p>\n"),
     }
