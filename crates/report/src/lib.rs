@@ -35,4 +35,5 @@ pub use page::document::{Page, write_shared_files};
 pub use run_numbers::RunNumber;
 pub use stage::accept::ACCEPT;
 pub use stage::diff::{DIFF, diff};
+pub use stage::together::JointAnswer;
 pub use stage::{COMPARE, INDEX, PROGRAM};
