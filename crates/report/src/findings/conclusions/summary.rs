@@ -16,6 +16,7 @@ use crate::findings::conclusions::conclusion::{Conclusion, conclusion};
 use crate::findings::conclusions::distinct_curves::{DistinctCurve, distinct_curves};
 use crate::findings::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::findings::conclusions::status::Status;
+use crate::findings::names::name_among;
 use crate::findings::{CandidateResult, IdentifiabilityCounts, Model, Ranking, Run, StageProgram};
 
 /// The schema that a summary names.
@@ -385,6 +386,11 @@ impl Summary {
     /// Value of a metric of the pulse.
     pub fn metric(&self, name: &str) -> Option<f64> {
         self.metrics.get(name)?.value
+    }
+
+    /// What a candidate is, in words that no other candidate of the run has: `Kelvin model (fitted)`.
+    pub fn name_of(&self, id: &str) -> String {
+        name_among(id, self.candidates.iter().map(|candidate| (&*candidate.id, &candidate.parameters)))
     }
 
     /// A parameter of the first physical candidate of a model in the ranking.
