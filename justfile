@@ -273,7 +273,7 @@ identification-benchmark *args: build
 prediction-benchmark *args: build
     @cargo run --quiet --release --package crumple-testkit -- prediction-benchmark --bin "$bin" "$@"
 
-# Every sentence and number of first screens against known truth, 4 made cars a family and kind: `just truth [--cars N] [--short] [NAME ...]`.
+# Values, remarks and shown numbers of runs against known truth, 4 made cars a family and kind: `just truth [--cars N] [--short] [NAME ...]`.
 [group('development')]
 truth *args: build
     @cargo run --quiet --release --package crumple-testkit -- truth --bin "$bin" "$@"

@@ -6,8 +6,8 @@ use std::path::Path;
 
 use crumple_testkit::browser::{Browser, Page, Screen};
 use crumple_testkit::kinds::{KindOfRecord, made_kinds, real_kinds};
+use crumple_testkit::numbers::numbers;
 use crumple_testkit::programs::run;
-use crumple_testkit::truth::numbers;
 use serde_json::Value;
 
 /// Bytes of a page at most: 600 kB, and the 12 kB of the curves on the first screen.
