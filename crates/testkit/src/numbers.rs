@@ -127,11 +127,11 @@ pub fn numbers(text: &str) -> Vec<Shown> {
     shown
 }
 
-/// What the last digit of a number counts. Four significant digits are shown of a large one, so the zeros at the end of
-/// one of five and more may be none of them.
+/// What the last digit of a number counts. Two significant digits may be shown of an uncertain one, so the zeros at the
+/// end of one of four digits and more may be none of them.
 fn last_digit(number: &str, decimals: usize) -> f64 {
     let zeros = number.len() - number.trim_end_matches('0').len();
-    let not_shown = if decimals == 0 { zeros.min(number.len().saturating_sub(4)) } else { 0 };
+    let not_shown = if decimals == 0 && number.len() > 3 { zeros.min(number.len() - 2) } else { 0 };
     10f64.powf(not_shown as f64 - decimals as f64)
 }
 

@@ -180,7 +180,8 @@ fn determined(own: &Value, found: &mut Found) {
 }
 
 /// A curve that has the forces takes up the energy of the impact to 10 % on its way to the crush of the test.
-/// Parameters of the model that made the record lie in their 95 % intervals, which are for an exact mass and gain: 2 % wider here.
+/// Parameters of the model that made the record lie in their 95 % intervals, which are for an exact mass
+/// and gain: 2 % wider here.
 pub fn forces_or_parameters(made: &Made, best: &Value, found: &mut Found) {
     let parameter = |name: &str| best["parameters"][name].as_f64();
     let knots = (1..).map_while(|k| parameter(&format!("knot{k}_m")).zip(parameter(&format!("knot{k}_n"))));

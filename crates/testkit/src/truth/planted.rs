@@ -27,7 +27,8 @@ fn made() -> Made {
         "simulation": {"fit_percent": 99.5, "dynamic_crush_m": crush, "time_of_dynamic_crush_s": own.time_s,
             "coefficient_of_restitution": own.restitution}});
     let prediction = json!({"candidate": "fd/1", "recommended": true, "asked": false,
-        "impact_speed_m_per_s": 0.7 * speed,        "mass_kg": mass, "partner": null, "extrapolates": false, "dynamic_crush_m": slow_crush,
+        "impact_speed_m_per_s": 0.7 * speed,
+        "mass_kg": mass, "partner": null, "extrapolates": false, "dynamic_crush_m": slow_crush,
         "energy": {"kinetic_at_impact_j": 0.5 * mass * (0.7 * speed).powi(2)},
         "intervals": [{"name": "dynamic_crush_m", "low": 0.96 * slow_crush, "high": 1.04 * slow_crush}]});
     let verdict = json!({"status": "usable", "record": "sound", "parameters": 1, "determined": 1,
