@@ -127,11 +127,11 @@ pub fn numbers(text: &str) -> Vec<Shown> {
     shown
 }
 
-/// What the last digit of a number counts. Four significant digits are shown of a large one, so the zeros at the end of
-/// one of five and more may be none of them.
+/// What the last digit of a number counts. Two significant digits may be shown of an uncertain one, so the zeros at the
+/// end of one of four digits and more may be none of them.
 fn last_digit(number: &str, decimals: usize) -> f64 {
     let zeros = number.len() - number.trim_end_matches('0').len();
-    let not_shown = if decimals == 0 { zeros.min(number.len().saturating_sub(4)) } else { 0 };
+    let not_shown = if decimals == 0 && number.len() > 3 { zeros.min(number.len() - 2) } else { 0 };
     10f64.powf(not_shown as f64 - decimals as f64)
 }
 
@@ -288,7 +288,8 @@ mod tests {
     #[test]
     fn a_number_of_a_surface_is_one_of_the_summary_in_its_unit() {
         let summary = json!({"events": {"dynamic_crush_m": 0.6956, "speed_m_per_s": 15.5556}, "fit_percent": 99.96,
-            "key_numbers": [{"value": 314.49, "unit": "m/s^2", "low": 311.2, "high": 317.9}], "place": "Hybrid III 51 %"});
+            "key_numbers": [{"value": 314.49, "unit": "m/s^2", "low": 311.2, "high": 317.9}],
+            "place": "Hybrid III 51 %"});
         let unstated = |text: &str| Pool::of(&summary).unstated(text);
         let right = "crush 696 mm at 56 km/h\nOLC 32.1 g (90 %: 31.7 to 32.4)\nfit 100.0 %, Hybrid III 51 %\n\
                      | km/h | crush, mm |\n|---|---|\n| 56 | 696 |";

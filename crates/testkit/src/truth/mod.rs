@@ -6,6 +6,8 @@ mod codes;
 mod found;
 mod known;
 mod models;
+mod net;
+mod page_text;
 #[cfg(test)]
 mod planted;
 mod remarks;
@@ -14,6 +16,7 @@ mod surfaces;
 mod values;
 
 pub use cases::{Extent, RunCase, cases};
-pub use found::{Found, Net};
+pub use found::Found;
+pub use net::Net;
 pub use remarks::Explained;
 pub use run::{Failure, Made, run_all};

@@ -40,13 +40,16 @@ const FACTORS: [f64; 12] = [1.0, 1e3, 1e-3, 1e2, 1e6, 1e-6, 3.6, 3.6e3, 1e9, 1.0
 /// explanation of the code: thresholds and numbers of standards do.
 pub fn unstated_numbers(remark: &Value, explained: &Explained) -> Vec<String> {
     let mut names = explained.0.get(remark["code"].as_str().unwrap_or_default()).cloned().unwrap_or_default();
-    let mut values = Vec::new();
+    let (mut values, mut counts) = (Vec::new(), Vec::new());
     for value in remark["values"].as_object().into_iter().flat_map(|values| values.values()) {
+        // A list may be counted.
+        counts.extend(value.as_str().map(|list| list.split(", ").count() as f64).filter(|count| *count > 1.0));
         names.extend(value.as_str().into_iter().flat_map(|name| [" ", name]));
         values.extend(value.as_f64());
     }
     let digits = names.split(|c: char| !(c.is_ascii_digit() || c == '.')).map(|number| number.trim_matches('.'));
     let mut named: Vec<f64> = digits.filter_map(|number| number.parse().ok()).collect();
+    named.extend(counts);
     named.extend(numbers(&names).iter().map(|number| number.value.abs()));
     let is_value = |shown: &Shown| values.iter().any(|value| FACTORS.iter().any(|factor| shown.shows(value * factor)));
     let text = remark["text"].as_str().unwrap_or_default();

@@ -15,7 +15,7 @@ use crate::places::workspace;
 use crate::programs::ARTIFACTS;
 use crate::truth::cases::{Question, RunCase};
 use crate::truth::known::{Impact, Known, Subject};
-use crate::truth::surfaces::first_screen;
+use crate::truth::page_text::first_screen;
 
 /// What a run has left.
 #[derive(Debug)]
@@ -44,8 +44,8 @@ pub struct Made {
 pub type Failure = Box<dyn std::error::Error + Send + Sync>;
 
 /// Runs cases by the programs in `bin`, in folders of their own below `folder`; in the order of the cases. Cases of one
-/// record, pipeline and flags share its chain. Errors: a run ends with another code than 0 or 4, or leaves no summary or
-/// page.
+/// record, pipeline and flags share its chain. Errors: a run ends with another code than 0 or 4, or leaves no summary
+/// or page.
 pub fn run_all(cases: &[&RunCase], bin: &Path, folder: &Path) -> Vec<Result<Made, Failure>> {
     let mut chains: BTreeMap<_, Vec<(usize, &RunCase)>> = BTreeMap::new();
     for (place, case) in cases.iter().enumerate() {
@@ -258,6 +258,11 @@ impl Made {
     /// The pulse as it was read.
     pub fn pulse(&self) -> Option<&Sampled> {
         self.raw.get(self.text("/test/channel"))
+    }
+
+    /// Length of the record, s; 1 without a pulse.
+    pub fn length_s(&self) -> f64 {
+        self.pulse().map_or(1.0, |pulse| pulse.len() as f64 * pulse.dt_s())
     }
 
     /// Mean and standard deviation of the pulse as it was read between two times, s; up to the end without the second.

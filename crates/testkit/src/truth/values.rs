@@ -174,8 +174,8 @@ fn off_percent(made: &Made, prediction: &Value) -> Option<f64> {
     Some(100.0 * (prediction["dynamic_crush_m"].as_f64()? / truth.crush_m - 1.0))
 }
 
-/// The prediction that answers what was asked: by the recommended model, at the speed, mass and partner asked for; where
-/// nothing was asked, inside the test at the lowest speed.
+/// The prediction that answers what was asked: by the recommended model, at the speed, mass and partner asked for;
+/// where nothing was asked, inside the test at the lowest speed.
 fn answer(made: &Made) -> Option<&Value> {
     let question = made.question.unwrap_or_default();
     let is_close = |value: &Value, asked: Option<f64>| {
@@ -319,7 +319,8 @@ fn predictions(made: &Made, found: &mut Found) {
     for own in made.list("/predictions").iter().filter(|p| p["recommended"] == true) {
         let (speed, mass) = (own["impact_speed_m_per_s"].as_f64(), own["mass_kg"].as_f64());
         let Some((speed, mass)) = speed.zip(mass) else { continue };
-        let energy = own["energy"]["kinetic_at_impact_j"].as_f64();
+        // Against a partner it is that of both.
+        let energy = own["energy"]["kinetic_at_impact_j"].as_f64().filter(|_| own["partner"].is_null());
         found.same("kinetic_at_impact_j", energy, energy.map(|_| 0.5 * mass * speed * speed), 1e-6);
         let is_deeper = own["dynamic_crush_m"].as_f64().is_some_and(|crush| crush > tested_m);
         found.holds(!is_deeper || own["extrapolates"] == true || !own["partner"].is_null(), || {
