@@ -47,7 +47,8 @@ pub fn in_a_line(command: &Command) -> String {
     about[..end].trim_end_matches('.').to_owned()
 }
 
-/// The commands in their groups, as a template of clap's help; `is_short` names those for few in a line.
+/// The commands in their groups, as a template of clap's help; `is_short` names those for few in a line and has no
+/// options.
 pub fn template(commands: &[Command], is_short: bool) -> String {
     let mut text = String::from("{about-with-newline}\n{usage-heading} {usage}\n");
     for Group { title, commands: names, is_for_few } in &GROUPS {
@@ -63,5 +64,5 @@ pub fn template(commands: &[Command], is_short: bool) -> String {
             text += &format!("\n{title}:\n{}\n", lines.join("\n"));
         }
     }
-    text + "\nOptions:\n{options}{after-help}"
+    if is_short { text.trim_end().to_owned() + "{after-help}" } else { text + "\nOptions:\n{options}{after-help}" }
 }

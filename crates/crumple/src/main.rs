@@ -137,7 +137,7 @@ fn of_words(mut words: Vec<OsString>) -> ExitStatus {
     }
     let unknown = |word: &str| Err(unknown_name(&format!("crumple has no command {word:?}"), word, &names()));
     let is_short = words.is_empty() || words.iter().any(|word| word == "-h");
-    let is_bash = is_generating(&words) && words.last().is_some_and(|word| word == "bash");
+    let is_bash = is_generating(&words) && words.last().is_some_and(|word| word.as_encoded_bytes().ends_with(b"bash"));
     let call = within("crumple", words);
     let status = match is_short {
         true => run_tool(&call, |All::<true>(word)| unknown(&word)),
@@ -154,7 +154,7 @@ fn is_generating(words: &[OsString]) -> bool {
 fn with_examples(command: &str, words: &[OsString], status: ExitStatus) -> ExitStatus {
     let before = || words.iter().take_while(|word| *word != "--").filter_map(|word| word.to_str());
     // `artifact unpack` has its own; `artifact show` is `show`.
-    let inner = before().find(|word| !word.starts_with('-') && command == "artifact").unwrap_or_default();
+    let inner = before().next().filter(|word| !word.starts_with('-') && command == "artifact").unwrap_or_default();
     let whole = if OF_ARTIFACT.contains(&inner) { inner.to_owned() } else { format!("{command} {inner}") };
     match examples::of(whole.trim_end()) {
         Some(examples) if before().any(|word| word == "--help") => and_print(&examples::as_help(examples), status),
@@ -196,7 +196,7 @@ impl<const SHORT: bool> CommandFactory for All<SHORT> {
             .subcommands(commands.iter().map(in_a_line))
             .after_help(
                 "crumple help COMMAND explains a command, with examples; crumple COMMAND -h is shorter.\n\
-                 crumple completions bash|zsh|fish prints a completion script.",
+                 crumple completions bash|zsh|fish prints a completion script; crumple --help has all options.",
             )
     }
 
