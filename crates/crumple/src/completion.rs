@@ -18,7 +18,7 @@ pub fn keys(stages: &[Program]) -> Vec<&'static str> {
 
 /// A command of runs with what may stand behind `--set` and `--pipeline`.
 pub fn with_values(command: Command, keys: &[&'static str]) -> Command {
-    command.mut_args(|arg| match arg.get_id().as_str() {
+    command.mut_args(|arg| match arg.get_long().unwrap_or_default() {
         "set" => arg.value_parser(PossibleValuesParser::new(keys.to_vec())),
         "pipeline" | "pipelines" => arg.value_parser(PossibleValuesParser::new(Pipeline::built_in())),
         _ => arg,

@@ -241,6 +241,10 @@ mod tests {
         match first {
             // In the folder of a run, where the stage needs no output.
             "predict" => rest.extend(["-o".to_owned(), "7.mcap".to_owned()]),
+            // A list needs no output either.
+            "ingest" if rest.iter().any(|word| word == "--list") => {
+                rest.extend(["-o".to_owned(), "1.mcap".to_owned()]);
+            }
             // Records and flags of the joint prediction.
             "together" => rest.insert(0, "--".to_owned()),
             _ => {}

@@ -194,8 +194,8 @@ pub(crate) fn named<C: CommandFactory>(call: &Call, stage: Option<&clap::Command
 pub(crate) const OWN_BEHIND_RECORD: [(&str, &str); 2] = [("--set", "STAGE.OPTION=VALUE"), ("--stage", "STAGE=COMMAND")];
 
 impl Options {
-    /// Takes the options set, the programs named and `--open` behind `--` from among the flags of the first stage, and hands
-    /// its own flags on.
+    /// Takes the options set, the programs named and `--open` behind `--` from among the flags of the first stage, and
+    /// hands its own flags on.
     pub(crate) fn take_own(&mut self) -> Result<(), Usage> {
         self.of_all.add_to(&mut self.flags);
         let own = OWN_BEHIND_RECORD.into_iter().zip([&mut self.set, &mut self.programs.stage]);

@@ -114,7 +114,7 @@ pub fn numbers(text: &str) -> Vec<Shown> {
         let unit = unit_before(behind.trim_start());
         let decimals = mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.len());
         let scale = if value == 0.0 { 1.0 } else { value / mantissa.parse::<f64>().unwrap_or(value) };
-        let half = HALF * last_digit(mantissa, decimals) * scale;
+        let half = HALF * last_digit(mantissa, decimals, unit) * scale;
         let (unit, factor) = unit.map_or((None, f64::NAN), |(unit, factor)| (Some(unit), factor));
         shown.push(Shown { value: if sign { -value } else { value }, decimals, factor, unit, half });
     }
@@ -127,11 +127,15 @@ pub fn numbers(text: &str) -> Vec<Shown> {
     shown
 }
 
-/// What the last digit of a number counts. Two significant digits may be shown of an uncertain one, so the zeros at the
-/// end of one of four digits and more may be none of them.
-fn last_digit(number: &str, decimals: usize) -> f64 {
+/// Units of key numbers, which are shown to their decimals whatever their interval.
+const TO_THEIR_DECIMALS: [&str; 4] = ["_m", "_s", "_m_per_s", "_m_per_s2"];
+
+/// What the last digit of a number counts. A parameter is shown with two significant digits of the half width of its
+/// interval, so the zeros at the end of a whole number may be none of them.
+fn last_digit(number: &str, decimals: usize, unit: Option<(&str, f64)>) -> f64 {
     let zeros = number.len() - number.trim_end_matches('0').len();
-    let not_shown = if decimals == 0 && number.len() > 3 { zeros.min(number.len() - 2) } else { 0 };
+    let is_rounded = decimals == 0 && unit.is_none_or(|(unit, _)| !TO_THEIR_DECIMALS.contains(&unit));
+    let not_shown = if is_rounded { zeros.min(number.len().saturating_sub(2)) } else { 0 };
     10f64.powf(not_shown as f64 - decimals as f64)
 }
 

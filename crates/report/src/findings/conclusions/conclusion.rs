@@ -6,7 +6,6 @@ use crumple_artifact::records::{EventsV1, MetricV1, ModeV1, PredictionV1, Stabil
 use crumple_signal::key_quantities::{CRUSH, DELTA_V, OLC, PEAK, STIFFNESS, STROKE};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
-use std::borrow::Cow;
 
 use crate::findings::conclusions::concerns::{Concern, concerns, what_to_do};
 use crate::findings::conclusions::key_numbers::{bound_of_change, in_ms};
@@ -63,8 +62,6 @@ pub struct Conclusion {
     /// Whether there is what was asked for.
     #[serde(deserialize_with = "known")]
     pub standing: ResultStatus,
-    /// ISO 639-1 code of the language of the sentences: `en`.
-    pub language: Cow<'static, str>,
     /// Whether the results may be used; `None`: an early version did not say it.
     #[schemars(with = "Status")]
     pub status: Option<Status>,
@@ -127,7 +124,6 @@ pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<Concern>) {
     let verdict = Conclusion {
         kind,
         standing,
-        language: "en".into(),
         status: Some(reason.status()),
         record: Some(soundness(run, kind, &concerns)),
         good_for: good_for(run, ranking, kind, &concerns),

@@ -6,9 +6,10 @@ mod parts;
 mod svg;
 
 use crate::drawing::escape::html;
-use crate::drawing::numbers::{ABSENT, KM_PER_H_PER_M_PER_S, MILLI, NBSP};
+use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI, NBSP};
 use crate::findings::{CandidateResult, Ranking, Run, Status, capitalised};
 use crate::words;
+use crumple_artifact::records::SimulationV1;
 use layout::layout;
 use motion::motion;
 use parts::{ElementPart, Glyph, parts};
@@ -98,29 +99,10 @@ fn words(run: &Run, candidate: &CandidateResult) -> String {
     let intervals = candidate.about_intervals();
     sentences.extend(candidate.certainties().words().map(|text| format!("{text}{intervals}.")));
     if let Some(simulation) = &candidate.simulation {
-        let or_absent = |text: Option<String>| text.unwrap_or_else(|| ABSENT.to_owned());
-        let error = |value: Option<f64>, places| or_absent(value.map(|x| words::signed(MILLI * x, places)));
-        let measured = run.events.as_ref().and_then(|events| events.coefficient_of_restitution);
-        let fit = or_absent(candidate.fit_percent().map(|fit| words::decimals(fit, 1)));
-        // Of a record without a crush there is none to be off.
-        let has_crush = simulation.dynamic_crush_error_m.or(simulation.time_of_dynamic_crush_error_s).is_some();
-        sentences.push(if has_crush {
-            let restitution = simulation
-                .coefficient_of_restitution
-                .zip(measured)
-                // Of a record that ends before the rebound does, a model that rebounds faster is off by nothing known.
-                .filter(|(model, test)| !run.is_rebound_cut() || model < test)
-                .map(|(model, test)| format!(", {} of restitution", words::signed(model - test, 2)));
-            format!(
-                "It misses its own test by {}{NBSP}mm of crush, {}{NBSP}ms of t<sub>m</sub>{}; displacement fit \
-                 {fit}{NBSP}%.",
-                error(simulation.dynamic_crush_error_m, 0),
-                error(simulation.time_of_dynamic_crush_error_s, 1),
-                restitution.unwrap_or_default()
-            )
-        } else {
-            format!("Displacement fit {fit}{NBSP}%.")
-        });
+        sentences.extend(against_its_test(run, simulation));
+        if let Some(fit) = candidate.fit_percent() {
+            sentences.push(format!("Displacement fit {}{NBSP}%.", words::decimals(fit, 1)));
+        }
         let rating = simulation.ratings.iter().find(|r| r.definition_id == "iso18571" && r.quantity == "acceleration");
         if let Some((rating, value)) = rating.and_then(|rating| Some((rating, rating.value?))) {
             let grade = rating.note.as_deref().map(|note| format!(" ({})", html(note)));
@@ -140,6 +122,27 @@ fn words(run: &Run, candidate: &CandidateResult) -> String {
     }
     sentences.extend(second_sensor(run, candidate));
     sentences.join(" ")
+}
+
+/// `Model (test): crush 750 mm (750), time 73.4 ms (74.2), restitution 0.17 (0.16).` Nothing of a record without a
+/// crush.
+fn against_its_test(run: &Run, simulation: &SimulationV1) -> Option<String> {
+    let pair = |what: &str, model: Option<f64>, error: Option<f64>, (factor, places, unit): (f64, usize, &str)| {
+        let (model, error) = model.zip(error)?;
+        let test = words::decimals(factor * (model - error), places);
+        Some(format!("{what} {} ({test})", words::quantity(factor * model, places, unit)))
+    };
+    let measured = run.events.as_ref().and_then(|events| events.coefficient_of_restitution);
+    // Of a record that ends before the rebound does, a model that rebounds faster is off by nothing known.
+    let restitution = simulation.coefficient_of_restitution;
+    let off = restitution.zip(measured).map(|(model, test)| model - test);
+    let off = off.filter(|off| !run.is_rebound_cut() || *off < 0.0);
+    let (crush, time) = (simulation.dynamic_crush_m, simulation.time_of_dynamic_crush_s);
+    let crush = pair("crush", crush, simulation.dynamic_crush_error_m, (MILLI, 0, "mm"));
+    let time = pair("time", time, simulation.time_of_dynamic_crush_error_s, (MILLI, 1, "ms"));
+    let restitution = pair("restitution", restitution, off, (1.0, 2, "")).filter(|_| crush.is_some() || time.is_some());
+    let pairs: Vec<String> = [crush, time, restitution].into_iter().flatten().collect();
+    (!pairs.is_empty()).then(|| format!("Model (test): {}.", pairs.join(", ")))
 }
 
 /// One stiffness for a model of one mass whose spring is a curve of knots: that of the spring with the energy and the
