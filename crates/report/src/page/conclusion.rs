@@ -42,21 +42,11 @@ pub(super) fn write(out: &mut String, verdict: &Conclusion) {
 pub(crate) const BEFORE_USE: &str = "Before you use this";
 
 /// At most three warnings; the others are counted and linked.
-pub(super) fn write_before_use(
-    out: &mut String,
-    run: &Run,
-    ranking: &Ranking,
-    verdict: &Conclusion,
-    concerns: &[Concern],
-) {
+pub(super) fn write_before_use(out: &mut String, run: &Run, ranking: &Ranking, concerns: &[Concern]) {
     let (first, others) = first_warnings(concerns, |_| false, run, ranking);
     let items: String = first.iter().map(|concern| item(concern)).collect();
     let list = if items.is_empty() { items } else { format!("<ol>\n{items}</ol>\n") };
-    let is_of_the_record = |concern: &Concern| about(concern) == ABOUT_RECORD;
-    let has_result = verdict.status != Some(Status::DoNotUse) && run.channel().is_some();
-    let is_sound = has_result && !concerns.iter().any(is_of_the_record);
-    let no_fault = if is_sound { "<p>No fault was found in the record.</p>\n" } else { "" };
-    if first.is_empty() && !is_sound {
+    if first.is_empty() && others == 0 {
         return;
     }
     let more = match others {
@@ -65,7 +55,7 @@ pub(super) fn write_before_use(
     };
     out.push_str(&format!(
         "<section class=\"before-use\" aria-labelledby=\"before-use-title\">\n\
-         <h2 id=\"before-use-title\">{BEFORE_USE}</h2>\n{list}{no_fault}{more}</section>\n"
+         <h2 id=\"before-use-title\">{BEFORE_USE}</h2>\n{list}{more}</section>\n"
     ));
 }
 

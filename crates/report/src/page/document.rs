@@ -80,7 +80,7 @@ impl Page {
         figures::write(&mut body, &first, "h2");
         body.push_str("<div class=\"answer\">\n");
         predictions::write_first(&mut body, run, ranking, said.status);
-        top::write_before_use(&mut body, run, ranking, said, concerns);
+        top::write_before_use(&mut body, run, ranking, concerns);
         body.push_str("</div>\n</div>\n");
         model_picture::write(&mut body, run, ranking, said.status);
         body.push_str("</div>\n");

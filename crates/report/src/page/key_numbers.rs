@@ -49,7 +49,7 @@ fn card(run: &Run, number: &KeyNumber) -> String {
     } else if let (Some(_), Some(reason)) = (number.value, &number.interval_by) {
         lines.push(html(reason));
     } else if number.value.is_some() {
-        lines.push("no interval: it needs mass, impact speed and the uncertainty of the inputs".to_owned());
+        lines.push("no interval was computed".to_owned());
     }
     if let Some(spread) = &number.spread {
         let class = if number.interval_misses_a_sensor() { " class=\"beyond\"" } else { "" };

@@ -281,7 +281,12 @@ pub fn stage_record(artifact: &Artifact) -> StageRecord {
 fn collect_remarks(inputs: &Inputs, run: &mut Run) -> anyhow::Result<()> {
     let mut all: Vec<RemarkV1> = Vec::new();
     let is_known = |all: &[RemarkV1], remark: &RemarkV1| {
-        all.iter().any(|known| (&known.stage, &known.text) == (&remark.stage, &remark.text))
+        let is_same = |known: &RemarkV1| match remark.code.as_str() {
+            // A program of before states no code.
+            "" => known.text == remark.text,
+            code => (&*known.code, &known.about, &known.values) == (code, &remark.about, &remark.values),
+        };
+        all.iter().any(|known| known.stage == remark.stage && is_same(known))
     };
     for artifact in inputs.artifacts() {
         let is_of_before = artifact.records().iter().all(|record| record.topic != "/remarks");
