@@ -163,11 +163,12 @@ impl Quantity {
         if self.is_undetermined(run) { doubt_in_words(Doubt::NotDetermined).to_owned() } else { self.shown(run) }
     }
 
-    /// The digits that a run's interval supports.
+    /// The digits of a quantity, since a change that counts may be smaller than its interval; of a parameter those that
+    /// a run's interval supports.
     fn rounding(&self, own: &RunValue) -> Rounding {
         let ends = own.interval.unwrap_or_default().map(|end| end.map(|end| self.factor * end));
         match self.digits {
-            Digits::Decimals(decimals) => Rounding::of_quantity(ends[0].zip(ends[1]), decimals),
+            Digits::Decimals(decimals) => Rounding::of_quantity(None, decimals),
             Digits::Parameter { is_mass } => Rounding::of_ends(ends[0], ends[1]).unwrap_or(if is_mass {
                 Rounding::to_integers(self.factor * own.value)
             } else {
