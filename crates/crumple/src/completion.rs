@@ -51,7 +51,7 @@ mod tests {
     #[test]
     fn keys_are_the_options_of_stages_and_no_other_flags() {
         let keys = keys(&[crumple_ingest::PROGRAM, crumple_filter::PROGRAM, crumple_parameter_solve::PROGRAM]);
-        let has = |key: &str| keys.iter().any(|known| *known == key);
+        let has = |key: &str| keys.contains(&key);
         assert!(["filter.cfc=", "ingest.mass=", "parameter-solve.front_mass_fraction="].into_iter().all(has));
         assert!(!["ingest.list=", "filter.output=", "filter.force=", "filter.generate="].into_iter().any(has));
     }

@@ -249,7 +249,7 @@ mod tests {
             "together" => rest.insert(0, "--".to_owned()),
             _ => {}
         }
-        parse(program(first).unwrap(), &rest)
+        parse(program(first).unwrap_or_else(|| panic!("no command {first}")), &rest)
     }
 
     #[test]

@@ -127,15 +127,17 @@ pub fn numbers(text: &str) -> Vec<Shown> {
     shown
 }
 
-/// Units of key numbers, which are shown to their decimals whatever their interval.
+/// Units of key numbers: below four digits they are shown to their decimals, whatever their interval.
 const TO_THEIR_DECIMALS: [&str; 4] = ["_m", "_s", "_m_per_s", "_m_per_s2"];
 
-/// What the last digit of a number counts. A parameter is shown with two significant digits of the half width of its
-/// interval, so the zeros at the end of a whole number may be none of them.
+/// What the last digit of a number counts. What has an interval is shown with two significant digits of its half width,
+/// so the zeros at the end of a whole number may be none of them.
 fn last_digit(number: &str, decimals: usize, unit: Option<(&str, f64)>) -> f64 {
     let zeros = number.len() - number.trim_end_matches('0').len();
-    let is_rounded = decimals == 0 && unit.is_none_or(|(unit, _)| !TO_THEIR_DECIMALS.contains(&unit));
-    let not_shown = if is_rounded { zeros.min(number.len().saturating_sub(2)) } else { 0 };
+    let is_exact = unit.is_some_and(|(unit, _)| {
+        ["_percent", "_kg"].contains(&unit) || number.len() < 4 && TO_THEIR_DECIMALS.contains(&unit)
+    });
+    let not_shown = if decimals > 0 || is_exact { 0 } else { zeros.min(number.len() - 1) };
     10f64.powf(not_shown as f64 - decimals as f64)
 }
 

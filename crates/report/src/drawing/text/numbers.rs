@@ -324,7 +324,8 @@ mod tests {
     fn read(shown: &str) -> f64 {
         let (mantissa, exponent) = shown.split_once("·10").unwrap_or((shown, ""));
         let raised = |c: char| "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().position(|digit| digit == c);
-        let size: i32 = exponent.chars().filter_map(raised).fold(0, |all, digit| 10 * all + digit as i32);
+        let size = exponent.chars().filter_map(raised).fold(0, |all, digit| 10 * all + digit);
+        let size = i32::try_from(size).unwrap();
         let exponent = if exponent.starts_with('⁻') { -size } else { size };
         format!("{}e{exponent}", mantissa.replace('−', "-")).parse().unwrap()
     }
