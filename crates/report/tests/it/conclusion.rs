@@ -381,7 +381,11 @@ fn a_sensor_in_an_occupant_has_criteria_and_no_model() {
     let mut run = car();
     run.test.channels = vec![channel("93", "driver, head")];
     run.metrics = vec![metric("hic15", 246.2, "93"), metric("clip_3ms_contiguous", 497.19, "93")];
+    run.remarks = vec![concern("integrate", "occupants", 1, "another class")];
+    let said = assert_numbers_are_those_of_the_summary(&run, &["HIC15", "3 ms clip"]);
+    assert!(!said[1].contains("lower bounds"), "{said:?}");
     run.remarks = vec![concern("integrate", "occupants", 2, "criteria are lower bounds")];
+    run.remarks[0].code = "CR352".to_owned();
     let said = assert_numbers_are_those_of_the_summary(&run, &["HIC15", "3 ms clip"]);
     assert!(said[0].contains("(driver, head), not in the vehicle: HIC15 246, 3 ms clip 50.7\u{a0}g."), "{said:?}");
     assert!(

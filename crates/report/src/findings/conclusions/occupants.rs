@@ -8,6 +8,9 @@ use crate::findings::conclusions::concerns::Concern;
 use crate::findings::conclusions::conclusion::Text;
 use crate::findings::conclusions::key_numbers::sign_of;
 
+/// The code of criteria without one of their axes, `CriteriaAreBounds` of integrate.
+const NOT_ALL_AXES: &str = "CR352";
+
 impl Text<'_> {
     pub(super) fn occupant(&mut self) -> String {
         let mut criteria = Vec::new();
@@ -25,7 +28,7 @@ impl Text<'_> {
     }
 
     pub(super) fn occupant_use(&self, concerns: &[Concern]) -> String {
-        let partial = concerns.iter().any(|concern| concern.about == "occupants" && concern.stage != "report");
+        let partial = concerns.iter().any(|concern| concern.code == NOT_ALL_AXES);
         let bounds = if partial { "; the criteria are lower bounds: not all axes are in this record" } else { "" };
         format!("Do not use its crush, stiffness and models for the vehicle{bounds}.")
     }
