@@ -50,7 +50,7 @@ pub struct RunCase {
     pub known: Known,
 }
 
-/// How many runs there are: one a template, or all.
+/// How many runs there are: one of each kind of record, or all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extent {
     /// What every change must pass.
