@@ -1,8 +1,8 @@
 //! What a motion says about the crash: sign of the pulse, events, findings in words.
 
 use crumple_metrics::{
-    CrashEvents, DynamicCrush, EventEnd, MetricsError, Unstopped, centroid_time_by_moment, centroid_time_from_crush,
-    crash_events_within, largest_restitution,
+    CrashEvents, DynamicCrush, EDR_CHANGE_M_PER_S, EventEnd, MetricsError, Unstopped, centroid_time_by_moment,
+    centroid_time_from_crush, crash_events_within, largest_restitution,
 };
 use crumple_signal::{About, Motion, Note, Notes, Signal, UsedStart, Velocity, Weight, remarks};
 
@@ -154,6 +154,7 @@ fn never_stops(events: &CrashEvents, impact_speed_m_per_s: f64) -> Note {
     }
     NeverStops {
         end_velocity_m_per_s: events.end_velocity_m_per_s,
+        lowest_m_per_s: unstopped.map(|unstopped| unstopped.velocity_m_per_s),
         delta_v_m_per_s: unstopped.map(|unstopped| impact_speed_m_per_s - unstopped.velocity_m_per_s),
         time_s: unstopped.map(|unstopped| unstopped.time_s),
         end_of_event_s: unstopped.map(|unstopped| unstopped.end_s),
@@ -273,8 +274,8 @@ remarks! {
 
     /// The velocity never reaches zero: the vehicle does not stop in the record.
     CR315 NeverStops {
-        end_velocity_m_per_s: f64, delta_v_m_per_s: Option<f64>, time_s: Option<f64>, end_of_event_s: Option<f64>,
-        end_of_event: Option<String>
+        end_velocity_m_per_s: f64, lowest_m_per_s: Option<f64>, delta_v_m_per_s: Option<f64>, time_s: Option<f64>,
+        end_of_event_s: Option<f64>, end_of_event: Option<String>
     }
     bears on (About::Motion, Weight::Slight)
     decided "No sample from contact on is at or below zero. The event ends with the first 20 ms that change the \
@@ -282,19 +283,18 @@ remarks! {
     means "There is no dynamic crush and no restitution. Delta-v is counted up to the end of the event."
     remedy "use delta-v; for the crush the impact speed must be right and the record long enough"
     says {
-        let text = format!(
-            "the velocity never reaches zero, the record ends at v = {end_velocity_m_per_s:.3} m/s: dynamic crush and \
-             rebound are not in the record"
-        );
-        match (delta_v_m_per_s, time_s, end_of_event_s, end_of_event) {
-            (Some(delta_v), Some(time_s), Some(end_s), Some(end)) => format!(
-                "{text}; delta-v is {delta_v:.3} m/s at {:.1} ms, the lowest velocity up to the end of the event at \
-                 {:.1} ms ({end}){}",
+        let text = "the velocity never reaches zero: dynamic crush and rebound are not in the record";
+        let [end, lowest, change] = [Some(*end_velocity_m_per_s), *lowest_m_per_s, *delta_v_m_per_s]
+            .map(|speed| speed.map_or_else(String::new, |speed| format!("{:.1} km/h", 3.6 * speed)));
+        let rises = lowest_m_per_s.is_some_and(|lowest| end_velocity_m_per_s - lowest >= EDR_CHANGE_M_PER_S);
+        let after = if rises { " and rises after that (drift, rotation or another push)" } else { "" };
+        match (time_s, end_of_event) {
+            (Some(time_s), Some(event)) => format!(
+                "{text}. It is lowest, {lowest}, at {:.1} ms: delta-v {change}{}. It is {end} at the end of the record{after}",
                 1e3 * time_s,
-                1e3 * end_s,
-                if end == EventEnd::Record.name() { ": a lower bound, it still changes there" } else { "" }
+                if event == EventEnd::Record.name() { ", a lower bound, for it still changes there" } else { "" },
             ),
-            _ => text,
+            _ => format!("{text}. It is {end} at the end of the record"),
         }
     };
 
@@ -406,8 +406,8 @@ remarks! {
            acceleration does."
     remedy "check the impact speed first, then unit, zero level and class of the channel"
     says format!(
-        "check the impact speed ({:.1} km/h): the car would rebound at {:.0} % of it, real cars stay below {:.0} %. {} \
-         unit, zero level and class of the channel",
+        "check the impact speed ({:.1} km/h): the car would rebound at {:.0} % of it, at this speed cars stay below {:.0} \
+         %. {} unit, zero level and class of the channel",
         3.6 * impact_speed_m_per_s,
         100.0 * restitution,
         100.0 * largest,

@@ -238,7 +238,7 @@ pub fn unstopped(velocity: &Signal<Velocity>) -> Option<Unstopped> {
 /// Interval of the rule for event data recorders, s.
 pub const EDR_INTERVAL_S: f64 = 0.02;
 /// Change of velocity in it, m/s (0.8 km/h).
-const EDR_CHANGE_M_PER_S: f64 = 0.8 / 3.6;
+pub const EDR_CHANGE_M_PER_S: f64 = 0.8 / 3.6;
 
 /// A level that must hold.
 #[derive(Debug, Clone, Copy, PartialEq)]

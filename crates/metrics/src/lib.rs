@@ -67,7 +67,7 @@ pub use contact::{
 };
 pub use cora::{Cora, CoraInterval, CoraOptions, cora};
 pub use crash_events::{
-    CrashEvents, DynamicCrush, EDR_INTERVAL_S, EventEnd, Rebound, ThresholdRule, Unstopped,
+    CrashEvents, DynamicCrush, EDR_CHANGE_M_PER_S, EDR_INTERVAL_S, EventEnd, Rebound, ThresholdRule, Unstopped,
     acceleration_after_separation, crash_events, crash_events_within, event_end_by_velocity_change,
     time_zero_by_threshold, time_zero_by_velocity_change, unstopped,
 };

@@ -273,6 +273,18 @@ pub fn is_mass_of_a_vehicle(mass_kg: f64) -> bool {
 }
 
 impl TestDescription {
+    /// What was tested, in a sentence. A component is known by what the record states or by a mass below that of any
+    /// vehicle.
+    pub fn noun(&self) -> &'static str {
+        let is_light = self.mass_kg.is_some_and(|mass_kg| mass_kg < *VEHICLE_KG.start());
+        match self.kind.as_ref().map(|kind| kind.kind) {
+            Some(TestKind::Component) => "component",
+            None | Some(TestKind::Vehicle) if is_light => "component",
+            Some(TestKind::Sled | TestKind::Catapult) => "sled",
+            None | Some(TestKind::Vehicle) => "vehicle",
+        }
+    }
+
     /// Whether a structure makes the pulse, of which there can be a model: not the brake or the drive of a sled. A
     /// component has one where its mass is known.
     pub fn has_structure(&self) -> bool {

@@ -26,6 +26,7 @@ mod error;
 pub mod joints;
 mod kinds;
 mod names;
+pub mod numbers;
 mod process;
 mod terminal;
 mod typed;
@@ -44,5 +45,5 @@ pub use error::{ExitStatus, MissingTopic, RefuseExt, Refused, Usage, unknown_nam
 pub use kinds::{held, hold, kinds, refuse_not_to_be_allowed, refuse_unknown_code};
 pub use names::{ChainStage, chain, errors_in_words, nearest, sidecar_of, told_apart};
 pub use process::{Call, Outcome, Program, Stage, run_stage, run_tool};
-pub use terminal::{Progress, be_quiet, columns, labelled, labelled_and_cut, printable, say, to_stdout, wrapped};
+pub use terminal::{Progress, be_quiet, columns, labelled, printable, say, to_stdout, wrapped};
 pub use typed::{IN_RUN, OF_ARTIFACT, Way, by_way, flag, option, program};

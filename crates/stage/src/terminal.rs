@@ -63,17 +63,6 @@ pub fn labelled(label: &str, label_width: usize, text: &str, columns: usize) -> 
     lines.iter().map(|line| format!("{:<label_width$}{line}", std::mem::take(&mut label))).collect()
 }
 
-/// Only the first line of that, with dots where there would be more.
-pub fn labelled_and_cut(label: &str, label_width: usize, text: &str, columns: usize) -> String {
-    const DOTS: &str = " ...";
-    let mut lines = labelled(label, label_width, text, columns);
-    if lines.len() > 1 {
-        lines = labelled(label, label_width, text, columns.saturating_sub(DOTS.len()));
-        lines[0].push_str(DOTS);
-    }
-    lines.into_iter().next().unwrap_or_default()
-}
-
 // Progress of work that takes over a second: a bar on a terminal, log lines elsewhere.
 
 /// Silence before the first sign; most work is over by then.
@@ -207,12 +196,6 @@ mod tests {
             labelled("peak", 6, "45.4 g at 63 ms, and more of it", 28),
             ["peak  45.4 g at 63 ms, and", "      more of it"]
         );
-        assert_eq!(labelled_and_cut("peak", 6, "45.4 g at 63 ms", 28), "peak  45.4 g at 63 ms");
-        assert_eq!(
-            labelled_and_cut("peak", 6, "45.4 g at 63 ms, and more of it", 28),
-            "peak  45.4 g at 63 ms, and ..."
-        );
-        assert_eq!(labelled_and_cut("peak", 6, "", 28), "");
     }
 
     #[test]

@@ -1,9 +1,21 @@
 //! Predictions as lines for a person.
 
+use crumple_signal::key_quantities::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
+use crumple_stage::numbers::Rounding;
 use crumple_stage::records::PredictionV1;
 
-/// Standard gravity, m/s².
-const G: f64 = 9.806_65;
+/// A number of a record in the unit of its column, with the digits that its interval supports; `-` where there is none.
+fn number(record: &PredictionV1, name: &str, value: Option<f64>, (factor, decimals): (f64, usize)) -> String {
+    value.map_or_else(|| "-".to_owned(), |value| rounding(record, name, (factor, decimals)).show(factor * value))
+}
+
+fn rounding(record: &PredictionV1, name: &str, (factor, decimals): (f64, usize)) -> Rounding {
+    let interval = record.intervals.iter().find(|interval| interval.name == name);
+    Rounding::of_quantity(interval.map(|ends| (factor * ends.low, factor * ends.high)), decimals)
+}
+
+/// Factor and decimals of a crush in mm.
+const CRUSH: (f64, usize) = (MILLI, 0);
 
 /// A prediction that was written.
 pub struct Row {
@@ -33,11 +45,14 @@ pub fn header(marks: bool) -> String {
 
 /// One prediction. `asked`: whether its speed was asked for, where the header has marks.
 pub fn line(record: &PredictionV1, asked: Option<bool>) -> String {
-    let number = |value: Option<f64>, factor: f64, digits: usize| {
-        value.map_or_else(|| "-".to_owned(), |value| format!("{:.digits$}", factor * value))
-    };
-    let interval = record.intervals.iter().find(|interval| interval.name == "dynamic_crush_m");
-    let interval = interval.map_or_else(|| "-".to_owned(), |i| format!("{:.1}..{:.1}", 1e3 * i.low, 1e3 * i.high));
+    let name = "dynamic_crush_m";
+    let interval = record.intervals.iter().find(|interval| interval.name == name).map_or_else(
+        || "-".to_owned(),
+        |ends| {
+            let [low, high] = [ends.low, ends.high].map(|end| rounding(record, name, CRUSH).show(CRUSH.0 * end));
+            format!("{low} to {high}")
+        },
+    );
     let names = if record.names.is_empty() { String::new() } else { format!(" ({})", record.names.join(", ")) };
     let mark = match asked {
         None => "",
@@ -48,12 +63,12 @@ pub fn line(record: &PredictionV1, asked: Option<bool>) -> String {
         "{mark}{:>6.1} {:>7.1} {:>8} {:>15} {:>6} {:>7} {:>6} {:>6}  {}{names}{}",
         3.6 * record.impact_speed_m_per_s,
         record.mass_kg,
-        number(record.dynamic_crush_m, 1e3, 1),
+        number(record, name, record.dynamic_crush_m, CRUSH),
         interval,
-        number(record.time_of_dynamic_crush_s, 1e3, 1),
-        number(record.delta_v_m_per_s, 3.6, 1),
-        number(record.peak_acceleration_m_per_s2, 1.0 / G, 1),
-        number(record.coefficient_of_restitution, 1.0, 3),
+        number(record, "time_of_dynamic_crush_s", record.time_of_dynamic_crush_s, (MILLI, 1)),
+        number(record, "delta_v_m_per_s", record.delta_v_m_per_s, (KM_PER_H_PER_M_PER_S, 1)),
+        number(record, "peak_acceleration_m_per_s2", record.peak_acceleration_m_per_s2, (G_PER_M_PER_S2, 1)),
+        number(record, "coefficient_of_restitution", record.coefficient_of_restitution, (1.0, 2)),
         record.candidate,
         if record.extrapolates { ", extrapolates" } else { "" },
     )
@@ -76,7 +91,7 @@ pub fn partner_and_occupant(record: &PredictionV1) -> Vec<String> {
             number(both.partner_absorbed_j, 1e-3, 1),
             both.partner_mass_kg,
             number(both.partner_delta_v_m_per_s, 3.6, 1),
-            number(both.partner_peak_acceleration_m_per_s2, 1.0 / G, 1),
+            number(both.partner_peak_acceleration_m_per_s2, G_PER_M_PER_S2, 1),
             number(both.velocity_after_m_per_s, 3.6, 1),
             number(both.partner_velocity_after_m_per_s, 3.6, 1),
         )
@@ -84,7 +99,7 @@ pub fn partner_and_occupant(record: &PredictionV1) -> Vec<String> {
     let occupant = record.occupant.as_ref().map(|occupant| {
         format!(
             "        occupant: peak {:.1} g at {:.1} ms, excursion {:.0} mm, ride-down {} %",
-            occupant.peak_acceleration_m_per_s2 / G,
+            occupant.peak_acceleration_m_per_s2 * G_PER_M_PER_S2,
             1e3 * occupant.time_of_peak_s,
             1e3 * occupant.largest_excursion_m,
             number(occupant.ride_down_share, 1e2, 0),

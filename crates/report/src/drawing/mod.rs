@@ -7,9 +7,10 @@
 mod figures;
 mod text;
 
+pub use crumple_stage::numbers;
 pub use figures::figure::{Axis, Curve, Entry, Figure, Label, Link, Mark, Panel, over, over_time, span};
 pub use figures::file::swatch;
 pub use figures::look::{Colour, Dash, Look, Symbol, Width, file_rules, page_rules, palette};
 pub use figures::panel::{Drawing, WIDTH};
 pub use figures::sparkline::sparkline;
-pub use text::{escape, numbers};
+pub use text::escape;

@@ -16,6 +16,7 @@ pub(crate) use conclusions::concerns::{more_warnings, what_to_do};
 pub(crate) use conclusions::conclusion::with_mass_against;
 pub use conclusions::conclusion::{Conclusion, Number, conclusion};
 pub use conclusions::distinct_curves::{DistinctCurve, SAME_CURVE, SAME_RESTITUTION, distinct_curves, same_curve};
+pub(crate) use conclusions::key_numbers::class_of_record;
 pub use conclusions::key_numbers::{KeyNumber, Spread, key_numbers};
 pub use conclusions::kind::{Kind, ResultStatus};
 pub use conclusions::overview::{OverviewLine, overview};

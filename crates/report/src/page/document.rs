@@ -69,7 +69,7 @@ impl Page {
         header::write(&mut body, whole, said);
         body.push_str("<main>\n");
         if run.joint.is_none() {
-            key_numbers::write(&mut body, run, key_numbers);
+            key_numbers::write(&mut body, run, said, key_numbers);
         }
         let first = match bare {
             Some(_) => recorded::figure(run),

@@ -2,7 +2,7 @@
 
 use crate::drawing::escape::html;
 use crate::drawing::numbers::{ABSENT, MILLI, NBSP};
-use crate::findings::{KeyNumber, Run};
+use crate::findings::{Conclusion, KeyNumber, Run, class_of_record};
 use crate::words;
 use crumple_artifact::records::IntervalSourceV1;
 use crumple_signal::ANOTHER_VEHICLE;
@@ -14,7 +14,7 @@ use crumple_signal::key_quantities::{
 /// Heads the key numbers, on every page and in Markdown.
 pub(crate) const KEY_NUMBERS: &str = "Key numbers";
 
-pub(super) fn write(out: &mut String, run: &Run, numbers: &[KeyNumber]) {
+pub(super) fn write(out: &mut String, run: &Run, verdict: &Conclusion, numbers: &[KeyNumber]) {
     if numbers.is_empty() {
         return;
     }
@@ -23,13 +23,13 @@ pub(super) fn write(out: &mut String, run: &Run, numbers: &[KeyNumber]) {
          <h2 id=\"numbers-title\">{KEY_NUMBERS}</h2>\n<dl class=\"cards\">\n"
     ));
     for number in numbers {
-        out.push_str(&card(run, number));
+        out.push_str(&card(run, number, verdict.is_speed_in_doubt()));
     }
     out.push_str("</dl>\n</section>\n");
 }
 
 /// `<div>` of a number: its trade name, the value, what is known of it.
-fn card(run: &Run, number: &KeyNumber) -> String {
+fn card(run: &Run, number: &KeyNumber, is_speed_in_doubt: bool) -> String {
     let (factor, places, unit) = number.quantity().shown();
     let range = |low, high| html(&number.range(low, high));
     let shown = match number.value {
@@ -57,6 +57,9 @@ fn card(run: &Run, number: &KeyNumber) -> String {
         lines.push(format!("<span{class}>{count} sensors: {range}</span>"));
     }
     lines.extend(remark(run, number));
+    if is_speed_in_doubt && number.follows_from_speed() {
+        lines.push("if the impact speed is right".to_owned());
+    }
     let lines: String = lines.into_iter().map(|line| format!("<dd>{line}</dd>")).collect();
     format!(
         "<div class=\"card\" data-key=\"{}\"><dt>{}</dt>{shown}{lines}</div>\n",
@@ -71,7 +74,8 @@ pub(crate) fn title(run: &Run, name: &str) -> String {
         return "Motion over ground".to_owned();
     }
     let filter = run.filter.as_ref().filter(|_| name == PEAK.key);
-    match (filter.and_then(|filter| filter.cfc), filter.and_then(|filter| filter.cutoff_hz.first())) {
+    let class = filter.and_then(|filter| filter.cfc.or_else(|| class_of_record(run)));
+    match (class, filter.and_then(|filter| filter.cutoff_hz.first())) {
         (Some(cfc), _) => format!("Peak, CFC\u{a0}{cfc}"),
         (None, Some(hz)) => format!("Peak, filtered at {}", words::quantity(*hz, 0, "Hz")),
         (None, None) => KeyQuantity::of(name).map_or_else(|| words::metric(name), |known| known.title.to_owned()),

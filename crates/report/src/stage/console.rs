@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::{OverviewLine, Ranking, Run, Summary, overview};
-use crumple_stage::{columns, labelled, labelled_and_cut, wrapped};
+use crumple_stage::{columns, labelled, wrapped};
 
 /// The status, the verdict, the numbers, the gravest warnings and where the rest is.
 pub fn lines(run: &Run, ranking: &Ranking, summary: &Summary, report: &Path) -> Vec<String> {
@@ -14,16 +14,11 @@ pub fn lines(run: &Run, ranking: &Ranking, summary: &Summary, report: &Path) -> 
     let folder = report.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut lines = overview(run, ranking, summary, folder);
     let text = report.display().to_string();
-    lines.push(OverviewLine { label: "report".to_owned(), text, code: String::new(), may_be_cut: false });
+    lines.push(OverviewLine { label: "report".to_owned(), text, code: String::new() });
     let width = lines.iter().map(|line| line.label.chars().count()).max().unwrap_or(0) + 2;
-    for OverviewLine { label, text, code, may_be_cut } in &lines {
+    for OverviewLine { label, text, code } in &lines {
         let code = if code.is_empty() { String::new() } else { format!(" [{code}]") };
-        if *may_be_cut {
-            let cut = labelled_and_cut(label, width, text, columns.saturating_sub(code.len()));
-            printed.push(cut + &code);
-        } else {
-            printed.extend(labelled(label, width, &(text.clone() + &code), columns));
-        }
+        printed.extend(labelled(label, width, &(text.clone() + &code), columns));
     }
     printed
 }

@@ -6,6 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
+use crumple_report::JointAnswer;
 use crumple_stage::{ExitStatus, Usage, by_way, say};
 
 use crate::command::{OfAllStages, Pipeline};
@@ -42,9 +43,11 @@ pub fn together(mut options: TogetherOptions) -> anyhow::Result<ExitStatus> {
     let pipeline = Pipeline::resolve(&options.pipeline, &options.project);
     let (composed, given) = handed_on(&pipeline, &options, folder.path())?;
     let joint = JointRun { options: &options, pipeline: given.path(), folder: folder.path() };
-    let status = joint.model(&runs, folder.path(), Vec::new())?;
+    // The verdict says what was found.
+    let status = joint.model(&runs, folder.path(), vec!["--no-summary".into()])?;
     if status == ExitStatus::NoAcceptableResult {
         joint.page()?;
+        JointAnswer::of_folder(folder.path())?.lines.iter().for_each(say);
     }
     if status != ExitStatus::Done {
         return Ok(status);

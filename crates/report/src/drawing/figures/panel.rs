@@ -8,8 +8,8 @@ use super::look::{Look, Symbol};
 use super::polyline::polyline;
 use super::thinning::{NEAR, thinned};
 use super::ticks::{self, Ticks};
+use crate::drawing::numbers::{significant, superscript};
 use crate::drawing::text::escape::{address, html};
-use crate::drawing::text::numbers::{significant, superscript};
 
 /// Width of a panel.
 pub const WIDTH: f64 = 560.0;

@@ -1,6 +1,6 @@
 //! Where an axis is marked, and with which numbers.
 
-use crate::drawing::text::numbers::{decimals, superscript};
+use crate::drawing::numbers::{decimals, superscript};
 
 /// Marks of an axis.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,4 +1,3 @@
-//! Numbers as people write them, and text made safe for HTML.
+//! Text made safe for HTML.
 
 pub mod escape;
-pub mod numbers;

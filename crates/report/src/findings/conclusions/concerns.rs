@@ -6,7 +6,7 @@ use crumple_stage::is_no_result;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::findings::conclusions::kind::Kind;
+use crate::findings::conclusions::kind::{Kind, kind_of};
 use crate::findings::conclusions::own_remarks::own_remarks;
 use crate::findings::{Ranking, Run};
 
@@ -64,15 +64,16 @@ const LARGEST_WEIGHT: u8 = 9;
 /// Number, from 1, and subject of the first warning of a stage that what the page shows first may be another thing than
 /// it is taken for. That mass or speed is not stated makes nothing else of what is shown.
 pub fn decisive_warning<'a>(run: &Run, concerns: &'a [Concern]) -> Option<(usize, &'a str)> {
-    let is_decisive = |c: &Concern| c.weight == LARGEST_WEIGHT && c.stage != "report" && !is_absent(run, &c.about);
+    let is_absent = |c: &Concern| c.about.parse().is_ok_and(|about| is_absent(run, &about));
+    let is_decisive = |c: &Concern| c.weight == LARGEST_WEIGHT && c.stage != "report" && !is_absent(c);
     warnings(concerns).zip(1..).find(|(c, _)| is_decisive(c)).map(|(concern, number)| (number, concern.about.as_str()))
 }
 
 /// Whether a warning is about mass or speed that nobody stated.
-fn is_absent(run: &Run, about: &str) -> bool {
-    match about.parse() {
-        Ok(About::Mass) => run.test.mass_kg.is_none(),
-        Ok(About::ImpactSpeed) => run.test.impact_speed_m_per_s.is_none(),
+fn is_absent(run: &Run, about: &About) -> bool {
+    match about {
+        About::Mass => run.test.mass_kg.is_none(),
+        About::ImpactSpeed => run.test.impact_speed_m_per_s.is_none(),
         _ => false,
     }
 }
@@ -82,7 +83,7 @@ fn is_absent(run: &Run, about: &str) -> bool {
 pub fn is_of_the_test(run: &Run, concern: &Concern) -> bool {
     let is_about =
         |about: &About| matches!(about, About::Pulse | About::Mass | About::ImpactSpeed | About::Time | About::Motion);
-    concern.stage != "report" && !is_absent(run, &concern.about) && concern.about.parse().is_ok_and(|a| is_about(&a))
+    concern.stage != "report" && concern.about.parse().is_ok_and(|about| is_about(&about) && !is_absent(run, &about))
 }
 
 /// The concerns of a run, weighed from 1 to `LARGEST_WEIGHT`: the diagnosis of a stage without a result, what the
@@ -161,19 +162,31 @@ pub fn warnings(concerns: &[Concern]) -> impl Iterator<Item = &Concern> {
 }
 
 /// Of the warnings in their order those for the first screen: at most `SHOWN_FIRST`, none that is said elsewhere, none
-/// of a candidate that nobody recommends, no failed method; and how many are left of all.
+/// about what the screen does not show; and how many are left of all.
 pub fn first_warnings<'a>(
     concerns: &'a [Concern],
     is_said: impl Fn(&Concern) -> bool,
     run: &Run,
     ranking: &Ranking,
 ) -> (Vec<&'a Concern>, usize) {
-    let is_prominent =
-        |concern: &&Concern| !is_of_a_failed_method(concern) && !is_of_another_candidate(concern, run, ranking);
+    let is_prominent = |concern: &&Concern| is_of_what_is_shown(concern, run, ranking);
     let own = warnings(concerns).filter(|concern| !is_said(concern));
     let first: Vec<&Concern> = own.filter(is_prominent).take(SHOWN_FIRST).collect();
     let others = warnings(concerns).count() - first.len();
     (first, others)
+}
+
+/// Whether the first screen shows what a warning is about: not another candidate, a method that failed, another
+/// channel, occupants beside a vehicle, predictions where no model is recommended.
+fn is_of_what_is_shown(concern: &Concern, run: &Run, ranking: &Ranking) -> bool {
+    match concern.about.parse() {
+        Ok(About::Method(_)) => false,
+        Ok(About::Channel(id)) => run.channel_id() == Some(&id),
+        Ok(About::Occupants) => kind_of(run) == Kind::Occupant,
+        Ok(About::Predictions) => ranking.best.is_some(),
+        Ok(about @ (About::Mass | About::ImpactSpeed)) => kind_of(run) != Kind::Recorder || !is_absent(run, &about),
+        _ => !is_of_another_candidate(concern, run, ranking),
+    }
 }
 
 /// The warnings that a list leaves out.
@@ -210,10 +223,18 @@ fn prominence(about: &About, run: &Run, ranking: &Ranking, kind: Kind) -> u8 {
     match about {
         // Of a record that is no crash the models come first.
         About::Time if kind == Kind::InputOutput => 2,
+        // The table of a recorder has its own change of velocity; mass and speed add to it.
+        About::Mass | About::ImpactSpeed if kind == Kind::Recorder && is_absent(run, about) => 1,
         About::Pulse | About::Mass | About::ImpactSpeed | About::Time | About::Motion => 3,
         About::Model(name) => prominence_of_model(name, run, ranking),
         About::Predictions | About::WallForce | About::Record => 2,
-        About::Occupants => 2 + u8::from(kind == Kind::Occupant),
+        About::Occupants => {
+            if kind == Kind::Occupant {
+                3
+            } else {
+                1
+            }
+        }
         About::IdentifiedModels if kind == Kind::InputOutput => 3,
         // Beside a model of a crash without mass or speed stand the numbers of the pulse, which hold.
         About::IdentifiedModels => 1 + u8::from(kind == Kind::LinearModel),

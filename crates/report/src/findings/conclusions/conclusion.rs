@@ -3,6 +3,7 @@
 use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crate::words;
 use crumple_artifact::records::{EventsV1, MetricV1, ModeV1, PredictionV1, StabilizationV1};
+use crumple_signal::About;
 use crumple_signal::key_quantities::{CRUSH, DELTA_V, OLC, PEAK, STIFFNESS, STROKE};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -32,8 +33,6 @@ const FIT: (f64, usize, &str) = (1.0, 1, "%");
 
 /// Where there is no motion to speak of.
 const NO_MOTION: &str = "This report holds no motion of a vehicle.";
-/// Where the change of velocity is not known.
-const NO_STOP: &str = "The vehicle did not stop within the record.";
 
 /// A number of the sentences and where `summary.json` has it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -68,6 +67,9 @@ pub struct Conclusion {
     /// Whether the record is sound; `None`: an earlier version did not say it.
     #[schemars(with = "Soundness")]
     pub record: Option<Soundness>,
+    /// What the warning is about that says it is not, as in `concerns`; `None`: it is sound, or an earlier version did
+    /// not say it.
+    pub record_about: Option<String>,
     /// What the answers are good for.
     pub good_for: Vec<Use>,
     /// Its one reason, typed.
@@ -98,6 +100,11 @@ pub struct Conclusion {
 }
 
 impl Conclusion {
+    /// Whether the impact speed is in doubt, and with it what follows from it.
+    pub fn is_speed_in_doubt(&self) -> bool {
+        self.status_reason.as_ref().is_some_and(is_speed_in_doubt)
+    }
+
     /// How many numbers of the recommended model are determined, rough, open: `3 of 5 determined, 2 open`.
     pub(crate) fn certainty(&self) -> Option<String> {
         let (determined, parameters) = (self.determined?, self.parameters?);
@@ -121,11 +128,13 @@ pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<Concern>) {
         _ if best.is_some() || matches!(kind, Kind::InputOutput | Kind::LinearModel) => ResultStatus::Model,
         _ => ResultStatus::NoneRecommended,
     };
+    let (record, record_about) = soundness(run, kind, &concerns);
     let verdict = Conclusion {
         kind,
         standing,
         status: Some(reason.status()),
-        record: Some(soundness(run, kind, &concerns)),
+        record: Some(record),
+        record_about: record_about.map(str::to_owned),
         good_for: good_for(run, ranking, kind, &concerns),
         status_sentence: reason.status().sentence(&because),
         status_reason: Some(reason),
@@ -217,7 +226,7 @@ impl<'a> Text<'a> {
             Reason::Dual => "use its crush, not its mass split: one sensor cannot identify the split".into(),
             Reason::NoInterval => "the crush at other speeds has no interval".into(),
             Reason::TestsDisagree => "the tests disagree".into(),
-            Reason::NoStop => "use its delta-v: the vehicle did not stop within the record".into(),
+            Reason::NoStop => format!("use its delta-v: the {} did not stop within the record", self.run.test.noun()),
             Reason::TwoVehicles => "use its delta-v: its motion over ground is not its crush".into(),
             Reason::Occupant => "use the criteria of the occupant, nothing for the vehicle".into(),
             Reason::Recorder => "use its delta-v, not its forces: the table is coarse".into(),
@@ -238,7 +247,7 @@ impl<'a> Text<'a> {
         let of = self.number(&format!("{at}/determined"), determined as f64, COUNT);
         let all = self.number(&format!("{at}/parameters"), parameters as f64, COUNT);
         let (what, are) = (if are_forces { "forces" } else { "parameters" }, words::verb(determined));
-        format!("use its crush, not its {what}: {of} of {all} {are} well known")
+        format!("use its crush, not its {what}: {of} of {all} {are} determined")
     }
 
     /// `at 40 km/h with 2000 kg against mpdb`: the mass where it is not that of the test.
@@ -280,7 +289,7 @@ impl<'a> Text<'a> {
             _ => {
                 let happened = match kind {
                     // The way of a pulse along another axis is no crush.
-                    Kind::Barrier if self.run.other_axis().is_none() => self.crushed(),
+                    Kind::Barrier if self.run.other_axis().is_none() => self.crushed(is_speed_in_doubt(reason)),
                     Kind::NoStop => self.no_stop(),
                     Kind::TwoVehicles => self.two_vehicles(),
                     Kind::SeveralTests => self.run.joint.as_ref().map_or_else(String::new, several_tests),
@@ -317,8 +326,10 @@ impl<'a> Text<'a> {
         Some((interval.low, interval.high))
     }
 
-    fn crushed(&mut self) -> String {
+    /// Crush, its time and the rebound; where the impact speed is in doubt, what they are if it is right.
+    fn crushed(&mut self, is_speed_in_doubt: bool) -> String {
         let Some(events) = &self.run.events else { return String::new() };
+        let noun = self.run.test.noun();
         let Some((crush_m, time_s)) = events.dynamic_crush_m.zip(events.time_of_dynamic_crush_s) else {
             return NO_MOTION.to_owned();
         };
@@ -332,12 +343,15 @@ impl<'a> Text<'a> {
                 let at = "/events/rebound_velocity_m_per_s".to_owned();
                 self.numbers.push(Number { at, value: velocity_m_per_s, shown: shown.clone() });
                 let or_more = if self.run.is_rebound_cut() { " or more" } else { "" };
-                format!("; the vehicle rebounded at {shown}{or_more}")
+                format!("; the {noun} rebounded at {shown}{or_more}")
             }
-            (Some(e), _) if e <= 0.0 => "; the vehicle did not rebound".to_owned(),
+            (Some(e), _) if e <= 0.0 => format!("; the {noun} did not rebound"),
             _ => String::new(),
         };
-        format!("The dynamic crush was {crush} at {time}{rebound}.")
+        let stated = self.run.test.impact_speed_m_per_s.filter(|_| is_speed_in_doubt);
+        let condition =
+            stated.map(|speed| format!("If {} is right, the", self.speed("/test/impact_speed_m_per_s", speed)));
+        format!("{} dynamic crush was {crush} at {time}{rebound}.", condition.as_deref().unwrap_or("The"))
     }
 
     /// The change of velocity and its time.
@@ -354,16 +368,19 @@ impl<'a> Text<'a> {
     }
 
     fn no_stop(&mut self) -> String {
-        let Some((change, Some(time))) = self.change_of_velocity() else { return NO_STOP.to_owned() };
+        let noun = self.run.test.noun();
+        let Some((change, Some(time))) = self.change_of_velocity() else {
+            return format!("The {noun} did not stop within the record.");
+        };
         let end_s = self.run.events.as_ref().and_then(|events| events.end_of_event_s);
         let another = end_s.is_some_and(|end_s| self.run.impacts.iter().any(|i| i.start_s >= end_s));
         if another {
             return format!(
-                "The vehicle did not stop in this impact: it lost {change} in {time}, and another impact followed."
+                "The {noun} did not stop in this impact: it lost {change} in {time}, and another impact followed."
             );
         }
         let bound = bound_of_change(self.run);
-        format!("The vehicle did not stop within the record: it lost {bound}{change} in {time}.")
+        format!("The {noun} did not stop within the record: it lost {bound}{change} in {time}.")
     }
 
     fn two_vehicles(&mut self) -> String {
@@ -372,7 +389,7 @@ impl<'a> Text<'a> {
                 let time = time.map_or_else(String::new, |time| format!(" within {time}"));
                 format!("Two vehicles collided: this one lost {change}{time}.")
             }
-            None => self.changed().unwrap_or_else(|| NO_STOP.to_owned()),
+            None => self.changed().unwrap_or_else(|| NO_MOTION.to_owned()),
         }
     }
 
@@ -455,12 +472,13 @@ impl<'a> Text<'a> {
             sentences.push(self.use_model(best));
             sentences.extend(self.caution(best, reason));
         } else if !self.run.candidates.is_empty() {
-            sentences.push(none_recommended(&self.why_none()));
+            sentences.push(none_recommended(&self.why_none(kind)));
             sentences.extend(self.closest());
         } else if is_lacking && !self.run.models.is_empty() {
             sentences.push(self.identified());
         } else if !self.run.test.has_structure() {
-            sentences.push("What was tested has no structure, so there is no model of it for other speeds.".to_owned());
+            sentences
+                .push("A sled is driven by its pulse: there is no crush, and no model for other speeds.".to_owned());
         } else if !is_lacking {
             sentences.push("It holds no models: their stages did not run.".to_owned());
         }
@@ -565,11 +583,14 @@ impl<'a> Text<'a> {
     }
 
     /// Why no model is recommended.
-    fn why_none(&self) -> String {
+    fn why_none(&self, kind: Kind) -> String {
         let has_no_crush = |events: &EventsV1| events.dynamic_crush_m.is_none_or(|crush| crush <= 0.0);
         match self.run.other_axis() {
             Some(axis) => format!("the pulse is along {axis}, and the models are of a crush along x"),
-            None if self.run.events.as_ref().is_some_and(has_no_crush) => "the vehicle was not seen to stop".to_owned(),
+            None if kind == Kind::TwoVehicles => "its motion over ground is not its crush".to_owned(),
+            None if self.run.events.as_ref().is_some_and(has_no_crush) => {
+                format!("the {} was not seen to stop", self.run.test.noun())
+            }
             None => self.ranking.because.clone(),
         }
     }
@@ -584,6 +605,12 @@ impl<'a> Text<'a> {
         let time = self.number(&format!("/candidates/{place}/simulation/to_s"), to_s, in_ms(to_s));
         Some(format!("The closest, {}, has a displacement fit of {fit} up to {time}.", run.name_of(id)))
     }
+}
+
+/// Whether what follows from the impact speed is in doubt with it.
+fn is_speed_in_doubt(reason: &StatusReason) -> bool {
+    let StatusReason::DecisiveWarning { about, .. } = reason else { return false };
+    about.parse() == Ok(About::ImpactSpeed)
 }
 
 /// ` with 2000 kg against mpdb`: what of an impact is not as in the test.

@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use crate::drawing::numbers::MILLI;
 use crate::words;
 use crumple_artifact::records::{EventIntervalV1, EventsV1, IntervalSourceV1, MetricV1};
+use crumple_signal::Cfc;
 use crumple_signal::key_quantities::{
     CLIP_3MS, CRUSH, DELTA_V, DIRECTION_OF_FORCE, HIC15, HIC36, KeyQuantity, MAXIMUM_DELTA_V, MAXIMUM_LATERAL_DELTA_V,
     OLC, PEAK, RECORDED_CRUSH, RECORDED_EES, RESTITUTION, STROKE, TIME_OF_CRUSH, TIME_OF_MAXIMUM_DELTA_V,
@@ -132,6 +133,11 @@ impl KeyNumber {
         let lateral = run.metric("total_delta_v_lateral").and_then(|metric| metric.value)?;
         let side = if lateral > 0.0 { "from the left" } else { "from the right" };
         (STRAIGHT_DEG..=180.0 - STRAIGHT_DEG).contains(&degrees).then_some(side)
+    }
+
+    /// Whether it follows from the stated impact speed, and not from the pulse alone.
+    pub fn follows_from_speed(&self) -> bool {
+        [&CRUSH, &TIME_OF_CRUSH, &RESTITUTION].contains(&self.quantity())
     }
 
     /// Whether the interval misses a value that another sensor at the same place gives.
@@ -309,6 +315,11 @@ fn spread(run: &Run, name: &str, channel: &str) -> Option<Spread> {
     })
 }
 
+/// The class that the pulse had before it was recorded, where a peak can be taken from it.
+pub(crate) fn class_of_record(run: &Run) -> Option<u16> {
+    run.channel()?.cfc.filter(|class| *class <= Cfc::Cfc60.number())
+}
+
 /// Largest deceleration of a filtered pulse, or of a channel without events its largest magnitude. `None`: no
 /// acceleration.
 fn peak(run: &Run) -> Option<KeyNumber> {
@@ -318,7 +329,7 @@ fn peak(run: &Run) -> Option<KeyNumber> {
     let mut number =
         KeyNumber { name: PEAK.key.into(), unit: "m/s^2".into(), channel, channels, ..KeyNumber::default() };
     let unfiltered = run.measured.filtered.is_none() || run.filter.as_ref().is_some_and(|filter| filter.mode == "none");
-    if unfiltered {
+    if unfiltered && class_of_record(run).is_none() {
         number.absent_because = Some("not filtered: the peak of a raw acceleration is mostly ringing".to_owned());
     } else if let Some(metric) = run.metric(PEAK.key).filter(|metric| metric.channel == number.channel) {
         let at_s = run.metric("time_of_peak_acceleration").and_then(|metric| metric.value);

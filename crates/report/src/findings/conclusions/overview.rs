@@ -13,6 +13,7 @@ use crate::findings::conclusions::concerns::{
     Concern, decisive_warning, first_warnings, is_of_a_failed_method, more_warnings,
 };
 use crate::findings::conclusions::conclusion::Conclusion;
+use crate::findings::conclusions::key_numbers::KeyNumber;
 use crate::findings::conclusions::kind::Kind;
 use crate::findings::conclusions::status::{Status, StatusReason};
 use crate::findings::results::parameters::ShownParameter;
@@ -31,10 +32,8 @@ pub struct OverviewLine {
     pub label: String,
     /// The number, its interval and its unit, or the sentence.
     pub text: String,
-    /// Code of the warning that it is; empty where it is none. It stands behind the text, also behind one that is cut.
+    /// Code of the warning that it is; empty where it is none. It stands behind the text.
     pub code: String,
-    /// Whether the text may be cut where the line of the terminal ends: all of it is said by `just notes`.
-    pub may_be_cut: bool,
 }
 
 /// Warnings that the sentences of the verdict say already are left out. `folder`: that of the run, for commands that
@@ -42,12 +41,7 @@ pub struct OverviewLine {
 pub fn overview(run: &Run, ranking: &Ranking, summary: &Summary, folder: &Path) -> Vec<OverviewLine> {
     let Summary { verdict, concerns, key_numbers, .. } = summary;
     let mut lines: Vec<OverviewLine> = Vec::new();
-    let line = |label: &str, text: String| OverviewLine {
-        label: label.to_owned(),
-        text,
-        code: String::new(),
-        may_be_cut: false,
-    };
+    let line = |label: &str, text: String| OverviewLine { label: label.to_owned(), text, code: String::new() };
     lines.extend(verdict.answers().map(|(label, text)| line(label, text)));
     if !summary.allowed.is_empty() {
         let codes: Vec<&str> = summary.allowed.keys().map(String::as_str).collect();
@@ -72,7 +66,17 @@ pub fn overview(run: &Run, ranking: &Ranking, summary: &Summary, folder: &Path) 
             let range = words::ends((spread.low, spread.high), number.interval(), number.quantity().shown());
             text.push_str(&format!("; {} sensors of the compartment: {range}", spread.sensors()));
         }
+        if number.follows_from_speed() && verdict.is_speed_in_doubt() {
+            text.push_str(IF_THE_SPEED);
+        }
         lines.push(line(label, text));
+    }
+    // Where sensors differ, the numbers and intervals above are those of one of them.
+    if key_numbers.iter().any(KeyNumber::interval_misses_a_sensor)
+        && let Some(channel) = run.channel()
+    {
+        let place = if channel.location.is_empty() { String::new() } else { format!(", {}", channel.location) };
+        lines.push(line("sensor", format!("channel {}{place}: values and intervals are of it alone", channel.id)));
     }
     if let Some(best) = ranking.best.as_deref().filter(|_| of_vehicle).and_then(|id| run.candidate(id)) {
         let label = if verdict.status == Some(Status::DoNotUse) { "model in doubt" } else { "recommended" };
@@ -88,10 +92,8 @@ pub fn overview(run: &Run, ranking: &Ranking, summary: &Summary, folder: &Path) 
     let others = others - failed.len();
     for (number, concern) in first.iter().enumerate() {
         let label = if number == 0 { WARNINGS } else { "" };
-        // What makes all doubtful is said whole.
         let text = format!("{}. {}", number + 1, concern.text);
-        let (code, may_be_cut) = (concern.code.clone(), number > 0 || !decisive);
-        lines.push(OverviewLine { code, may_be_cut, ..line(label, text) });
+        lines.push(OverviewLine { code: concern.code.clone(), ..line(label, text) });
     }
     if run.contradictions.iter().any(|found| !run.allowed.contains(&found.code)) {
         let command = program("artifact explain");
@@ -99,7 +101,7 @@ pub fn overview(run: &Run, ranking: &Ranking, summary: &Summary, folder: &Path) 
     }
     if others > 0 {
         let label = if first.is_empty() { WARNINGS } else { "" };
-        let more = more_warnings(others);
+        let more = if first.is_empty() { none_first(others) } else { more_warnings(others) };
         lines.push(line(label, format!("{more}: {} {}", by_way("just notes", "crumple notes"), folder.display())));
     }
     for (number, concern) in failed.into_iter().enumerate() {
@@ -110,6 +112,15 @@ pub fn overview(run: &Run, ranking: &Ranking, summary: &Summary, folder: &Path) 
         lines.extend(run.missing.iter().map(|what| line("not in it", what.clone())));
     }
     lines
+}
+
+/// Behind a number that follows from an impact speed that is in doubt.
+const IF_THE_SPEED: &str = ", if the impact speed is right";
+
+/// Where no warning is about the numbers shown.
+fn none_first(count: usize) -> String {
+    let warnings = if count == 1 { "1 warning" } else { &format!("{count} warnings") };
+    format!("{warnings}, none about these numbers")
 }
 
 /// Concerns of the report itself that status and sentences of the verdict say: sensors that differ, what is not known
@@ -142,11 +153,14 @@ fn parameters(run: &Run, candidate: &CandidateResult, folder: &Path) -> String {
     });
     let count = names.len();
     names.truncate(MOST_PARAMETERS);
+    let ends = candidate.record.uncertainty.as_ref().map(|known| &known.interval_low);
+    let shows_intervals = ends.is_some_and(|ends| names.iter().any(|name| ends.contains_key(*name)));
     let mut texts: Vec<String> = names.into_iter().map(|name| named_value(candidate, name)).collect();
     texts.extend(curve.map(|curve| format!("{curve}: {} {}", by_way("just curve", "crumple curve"), folder.display())));
     let more = if count > MOST_PARAMETERS { ", ..." } else { "" };
     let name = capitalised(&run.name_of(&candidate.id));
-    format!("{name}: {}{more}{}", texts.join(", "), candidate.about_intervals())
+    let intervals = if shows_intervals { candidate.about_intervals() } else { String::new() };
+    format!("{name}: {}{more}{intervals}", texts.join(", "))
 }
 
 /// `k 330.0 kN/m (329.1 to 330.9)`, with a question mark where it is not determined; what was not asked of the record,
@@ -171,7 +185,8 @@ fn how_sure(candidate: &CandidateResult, name: &str, shown: &ShownParameter) -> 
         Some(Certainty::Determined) => interval,
         None if is_mass || !interval.is_empty() => interval,
         None => " (given)".to_owned(),
-        Some(Certainty::OrderOfMagnitude | Certainty::Open) => format!("{interval}?"),
+        Some(Certainty::OrderOfMagnitude | Certainty::Open) if interval.is_empty() => " (not determined)".to_owned(),
+        Some(Certainty::OrderOfMagnitude | Certainty::Open) => format!("{interval} not determined"),
     }
 }
 

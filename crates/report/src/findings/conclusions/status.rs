@@ -173,7 +173,7 @@ impl StatusReason {
 /// The reason of the status of a run: what limits its answers, else what of its record is to be checked.
 pub fn status_reason(run: &Run, ranking: &Ranking, kind: Kind, concerns: &[Concern]) -> StatusReason {
     let reason = reason_of_answers(run, ranking, kind, concerns);
-    if reason.status() != Status::Usable || soundness(run, kind, concerns) == Soundness::Sound {
+    if reason.status() != Status::Usable || soundness(run, kind, concerns).0 == Soundness::Sound {
         return reason;
     }
     let marked =

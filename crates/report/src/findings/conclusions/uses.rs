@@ -1,15 +1,19 @@
 //! Two questions on a run: is its record sound, and what are its answers good for?
 
+use std::cmp::Reverse;
+use std::collections::BTreeMap;
+
 use crumple_signal::About;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::findings::conclusions::concerns::{Concern, is_of_the_test, warnings};
 use crate::findings::conclusions::conclusion::Conclusion;
-use crate::findings::conclusions::kind::Kind;
+use crate::findings::conclusions::kind::{Kind, subject_of};
 use crate::findings::conclusions::status::{
     WIDE_PERCENT, answer, answer_percent, has_only_forces, has_the_forces, of_identified,
 };
+use crate::findings::text::{listed, parameter, parameter_order};
 use crate::findings::{CandidateResult, Ranking, Run};
 use crate::words;
 
@@ -49,8 +53,11 @@ pub enum Use {
     OtherSpeeds { to_percent: f64 },
     /// Forces over deflection.
     Forces,
-    /// The parameters of the recommended model.
-    Parameters,
+    /// Parameters of the recommended model whose interval is as narrow as that of a prediction that answers.
+    Parameters {
+        #[serde(default)]
+        names: Vec<String>,
+    },
     /// Criteria of an occupant.
     OccupantCriteria,
     /// Frequencies and damping ratios of an identified model.
@@ -67,7 +74,10 @@ impl Use {
                 return format!("other speeds to ±{}", words::quantity(*to_percent, 0, "%"));
             }
             Self::Forces => "forces",
-            Self::Parameters => "parameters",
+            Self::Parameters { names } => {
+                let symbols: Vec<String> = names.iter().map(|name| parameter("", name, 0.0).0).collect();
+                return listed(&symbols);
+            }
             Self::OccupantCriteria => "criteria of the occupant",
             Self::IdentifiedModes => "frequencies and damping",
         };
@@ -79,7 +89,10 @@ impl Conclusion {
     /// The two questions on a run, each with its answer: is the record sound, and what is the answer good for. Nothing
     /// where an earlier version did not say it.
     pub fn answers(&self) -> impl Iterator<Item = (&'static str, String)> {
-        let of_record = self.record.map(|record| ("record", record.word().to_owned()));
+        let of_record = self.record.map(|record| match self.record_about.as_deref() {
+            Some(about) => ("record", format!("{}: {}", record.word(), subject_of(about))),
+            None => ("record", record.word().to_owned()),
+        });
         of_record.map(|of_record| [of_record, ("good for", self.uses())]).into_iter().flatten()
     }
 
@@ -94,17 +107,20 @@ impl Conclusion {
 pub const MARKED: u8 = 6;
 const DECISIVE: u8 = 9;
 
-/// Whether the record is sound: the gravest warning about what the test is. What programs contradict each other in is
-/// no fault of the record, and that a sensor sits in an occupant is known of a record of one.
-pub fn soundness(run: &Run, kind: Kind, concerns: &[Concern]) -> Soundness {
+/// Whether the record is sound, by the gravest warning about what the test is, and what that warning is about where it
+/// is not. What programs contradict each other in is no fault of the record, and that a sensor sits in an occupant is
+/// known of a record of one.
+pub fn soundness<'a>(run: &Run, kind: Kind, concerns: &'a [Concern]) -> (Soundness, Option<&'a str>) {
     let is_contradiction = |concern: &Concern| run.contradictions.iter().any(|found| found.code == concern.code);
     let is_of_place = |concern: &Concern| kind == Kind::Occupant && concern.about.parse() == Ok(About::Pulse);
     let about_the_test = warnings(concerns)
         .filter(|concern| is_of_the_test(run, concern) && !is_contradiction(concern) && !is_of_place(concern));
-    match about_the_test.map(|concern| concern.weight).max() {
-        Some(DECISIVE..) => Soundness::Wrong,
-        Some(MARKED..) => Soundness::Check,
-        _ => Soundness::Sound,
+    // The first of the gravest.
+    let gravest = about_the_test.min_by_key(|concern| Reverse(concern.weight));
+    match gravest.map(|concern| (concern.weight, concern.about.as_str())) {
+        Some((DECISIVE.., about)) => (Soundness::Wrong, Some(about)),
+        Some((MARKED.., about)) => (Soundness::Check, Some(about)),
+        _ => (Soundness::Sound, None),
     }
 }
 
@@ -167,8 +183,25 @@ fn of_model(run: &Run, best: &CandidateResult) -> Vec<Use> {
     if is_adequate && has_only_forces(best) && (is_determined || has_the_forces(run, best)) {
         uses.push(Use::Forces);
     }
-    if is_adequate && !has_only_forces(best) && is_determined && best.record.equivalent_to.is_none() {
-        uses.push(Use::Parameters);
+    let names = if is_adequate && !has_only_forces(best) { narrow(best) } else { Vec::new() };
+    if !names.is_empty() && best.record.equivalent_to.is_none() {
+        uses.push(Use::Parameters { names });
     }
     uses
+}
+
+/// Parameters that were asked of the record and whose 95 % interval is at most [`WIDE_PERCENT`] wide to each side, in
+/// the order in which people write them.
+fn narrow(best: &CandidateResult) -> Vec<String> {
+    let Some(known) = &best.record.uncertainty else { return Vec::new() };
+    let end = |ends: &BTreeMap<String, Option<f64>>, name: &str| ends.get(name).copied().flatten();
+    let is_narrow = |name: &&str| {
+        let ends = end(&known.interval_low, name).zip(end(&known.interval_high, name));
+        let value = best.record.parameters.get(*name);
+        let share = ends.zip(value).map(|((low, high), value)| (value - low).max(high - value) / value.abs());
+        share.is_some_and(|share| 100.0 * share <= WIDE_PERCENT)
+    };
+    let mut names: Vec<&str> = best.record.asked().filter(is_narrow).collect();
+    names.sort_by_key(|name| parameter_order(&best.record.model, name));
+    names.into_iter().map(str::to_owned).collect()
 }

@@ -133,8 +133,8 @@ impl Rounding {
 /// Factor between the ends of an interval above which each number has digits of its own.
 const FACTOR_OF_A_WIDE_INTERVAL: f64 = 10.0;
 
-/// No number is known to more digits.
-const MOST_DIGITS: i32 = 9;
+/// No number is known to more digits: a sensor is not calibrated to a thousandth.
+const MOST_DIGITS: i32 = 4;
 
 /// Exponents of numbers that are written without one.
 const PLAIN: std::ops::Range<i32> = -3..6;
