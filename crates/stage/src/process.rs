@@ -379,7 +379,7 @@ fn print_remarks(stage: &str, remarks: &[RemarkV1], output: &Path) {
     let said = remarks.iter().filter(|remark| !is_no_result(remark));
     let (warnings, others): (Vec<&RemarkV1>, Vec<&RemarkV1>) = said.partition(|remark| remark.is_warning());
     for warning in warnings {
-        say(format_args!("{stage:<16} warning: {}", warning.with_code()));
+        say(format_args!("{stage:<16} {}{}", warning.mark(), warning.with_code()));
     }
     let count = match others.len() {
         0 => return,
