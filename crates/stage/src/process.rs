@@ -264,8 +264,8 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
         if let Some(remedy) = out.without.as_ref().and(remedy.as_deref()) {
             say(format_args!("{:<16} hint: {remedy}", S::NAME));
         }
-        // Of a warning that stands among the lines of what it is about there is no second.
-        remarks.retain(|remark| remark.stage == S::NAME && !out.summary.contains(&format!("warning: {}", remark.text)));
+        // Of a remark that stands among the lines of what it is about there is no second.
+        remarks.retain(|remark| remark.stage == S::NAME && !out.is_in_summary(remark));
         print_remarks(S::NAME, &remarks, &common.output);
     }
     if common.json {
