@@ -40,7 +40,7 @@ pub use command_line::pipeline::pipeline_table;
 pub use command_line::pipeline_file::Pipeline;
 pub use crumple_artifact::{Artifact, InputDigest, Record, Wave, records};
 pub use environment::{refuse_unknown_variables, variable_of, variables};
-pub use error::{ExitStatus, MissingTopic, RefuseExt, Refused, Usage, unknown_name};
+pub use error::{ExitStatus, MissingTopic, REASON_FILE, RefuseExt, Refused, Usage, unknown_name};
 pub use kinds::{held, hold, kinds, refuse_not_to_be_allowed, refuse_unknown_code};
 pub use names::{ChainStage, chain, errors_in_words, nearest, sidecar_of, told_apart};
 pub use process::{Call, Outcome, Program, Stage, run_stage, run_tool};

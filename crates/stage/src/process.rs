@@ -22,7 +22,7 @@ use crate::command_line::args;
 use crate::command_line::args::{Cli, SharedFlags, keep_budget};
 use crate::command_line::left_out::{self, LeftOut};
 use crate::command_line::pipeline::{canonical_json, hint_default_pipeline, merge};
-use crate::error::{ExitStatus, MissingTopic, find_in_chain, render, status_of};
+use crate::error::{ExitStatus, MissingTopic, find_in_chain, render, status_of, tell_caller};
 use crate::terminal::{be_quiet, columns, say, to_stdout, wrapped};
 use crate::typed;
 use crate::typed::Way;
@@ -566,6 +566,7 @@ fn finish(result: Result<ExitStatus, Result<ExitStatus, anyhow::Error>>) -> Exit
         Ok(status) | Err(Ok(status)) => status,
         Err(Err(error)) => {
             say(render(&error));
+            tell_caller(&error);
             status_of(&error)
         }
     }
