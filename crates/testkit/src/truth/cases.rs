@@ -60,6 +60,14 @@ pub enum Extent {
 }
 
 impl Extent {
+    /// Made cars a family and kind that raise every code which made records can raise.
+    pub const CARS: usize = 4;
+
+    /// Whether all runs are there.
+    pub fn is_full(self) -> bool {
+        matches!(self, Self::Long(cars) if cars >= Self::CARS)
+    }
+
     /// Made cars a family or kind; in the short form this many.
     fn cars(self, short: usize) -> usize {
         if let Self::Long(count) = self { count } else { short }

@@ -21,12 +21,14 @@ pub struct Net {
     explained: Explained,
     raised: Raised,
     runs: usize,
+    /// Whether all runs are read, so that what none raises has a reason.
+    are_all: bool,
 }
 
 impl Net {
-    /// Nothing read yet; what is explained of every code.
-    pub fn new(explained: Explained) -> Self {
-        Self { explained, ..Self::default() }
+    /// Nothing read yet; what is explained of every code, and whether all runs follow.
+    pub fn new(explained: Explained, are_all: bool) -> Self {
+        Self { explained, are_all, ..Self::default() }
     }
 
     /// Holds a run against the truth.
@@ -54,9 +56,14 @@ impl Net {
         self.contradictions.extend(found.wrong.into_iter().map(complaint));
     }
 
-    /// Whether nothing contradicts the truth, and intervals hold it as often as they say.
+    /// Whether nothing contradicts the truth, intervals hold it as often as they say, and each code is raised or has a
+    /// reason.
     pub fn holds(&self) -> bool {
-        self.contradictions.is_empty() && self.counts.too_low().is_empty()
+        self.contradictions.is_empty() && self.counts.too_low().is_empty() && self.unreasoned().is_empty()
+    }
+
+    fn unreasoned(&self) -> Vec<String> {
+        self.raised.unreasoned(&self.explained, self.are_all)
     }
 
     /// The table: rules, intervals, contradictions, codes of remarks.
@@ -75,6 +82,7 @@ impl Net {
             let _infallible = writeln!(out, "- {rule} ({run}): {because}");
         }
         out.push_str(&self.raised.table(&self.explained));
+        out.extend(self.unreasoned().iter().map(|line| format!("- {line}\n")));
         out
     }
 }

@@ -10,9 +10,9 @@ use std::process::Command;
 use serde_json::Value;
 
 use crate::numbers::{Shown, numbers};
-use crate::truth::codes;
 use crate::truth::found::Found;
 use crate::truth::run::{Failure, Made};
+use crate::truth::{codes, unraised};
 
 /// What is explained of every code: `crumple explain --markdown`, cut at its headings.
 #[derive(Debug, Default)]
@@ -25,11 +25,6 @@ impl Explained {
         let text = String::from_utf8(output.stdout)?;
         let sections = text.split("## ").filter_map(|section| section.split_once('\n'));
         Ok(Self(sections.map(|(code, text)| (code.to_owned(), text.to_owned())).collect()))
-    }
-
-    /// The codes in their order.
-    pub fn codes(&self) -> impl Iterator<Item = &str> {
-        self.0.keys().map(String::as_str)
     }
 }
 
@@ -79,8 +74,18 @@ impl Raised {
         made.list("/remarks").iter().map(one).collect()
     }
 
+    /// Codes that a run raised although none is to, and of all runs those that none raised for no reason.
+    pub fn unreasoned(&self, explained: &Explained, are_all: bool) -> Vec<String> {
+        let of_code = |code: &str| match (self.0.get(code), unraised::need(code)) {
+            (Some((.., runs)), Some(need)) => Some(format!("{code} is raised by {:?}, and needs {need}", runs.first())),
+            (None, None) if are_all && !unraised::is_by_chance(code) => Some(format!("{code} has no reason")),
+            _ => None,
+        };
+        explained.0.keys().filter_map(|code| of_code(code)).collect()
+    }
+
     /// As Markdown: code, stage, weight, how many runs raised it, one of them, what was compared; then the codes that
-    /// none raised.
+    /// none raised, with the reason.
     pub fn table(&self, explained: &Explained) -> String {
         let mut out =
             "\n| code | stage | weight | runs | one of them | checked |\n|---|---|---|---|---|---|\n".to_owned();
@@ -90,8 +95,14 @@ impl Raised {
             let what = if compared.is_empty() { "numbers are values" } else { &compared };
             let _infallible = writeln!(out, "| {code} | {stage} | {weight} | {} | {first} | {what} |", runs.len());
         }
-        let none: Vec<&str> = explained.codes().filter(|code| !self.0.contains_key(*code)).collect();
-        let _infallible = writeln!(out, "\n{} codes raised by no run: {}", none.len(), none.join(", "));
+        let mut none: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+        for code in explained.0.keys().filter(|code| !self.0.contains_key(*code)) {
+            none.entry(unraised::need(code).unwrap_or("what other runs have")).or_default().push(code);
+        }
+        out.push_str("\n| raised by no run | needs |\n|---|---|\n");
+        for (need, codes) in none {
+            let _infallible = writeln!(out, "| {} | {need} |", codes.join(", "));
+        }
         out
     }
 }
