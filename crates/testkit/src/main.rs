@@ -115,7 +115,7 @@ enum Command {
         #[command(flatten)]
         programs: Programs,
         /// Made cars a family and kind
-        #[arg(long, default_value_t = Extent::CARS)]
+        #[arg(long, default_value_t = 4)]
         cars: usize,
         #[arg(long)]
         short: bool,

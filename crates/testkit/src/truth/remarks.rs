@@ -68,20 +68,17 @@ impl Raised {
             found.holds(explained.0.contains_key(&code), || "nothing explains this code".to_owned());
             let unstated = unstated_numbers(remark, explained);
             found.holds(unstated.is_empty(), || format!("no value is {}: {:?}", unstated.join(", "), text("text")));
+            let need = unraised::need(&code).filter(|need| *need != unraised::BY_CHANCE);
+            found.holds(need.is_none(), || format!("raised without {}", need.unwrap_or_default()));
             codes::check(made, remark, &mut found);
             (code, found)
         };
         made.list("/remarks").iter().map(one).collect()
     }
 
-    /// Codes that a run raised although none is to, and of all runs those that none raised for no reason.
-    pub fn unreasoned(&self, explained: &Explained, are_all: bool) -> Vec<String> {
-        let of_code = |code: &str| match (self.0.get(code), unraised::need(code)) {
-            (Some((.., runs)), Some(need)) => Some(format!("{code} is raised by {:?}, and needs {need}", runs.first())),
-            (None, None) if are_all && !unraised::is_by_chance(code) => Some(format!("{code} has no reason")),
-            _ => None,
-        };
-        explained.0.keys().filter_map(|code| of_code(code)).collect()
+    /// Whether no run raised a code, and nothing says why.
+    pub fn lacks_a_reason(&self, explained: &Explained) -> bool {
+        explained.0.keys().any(|code| !self.0.contains_key(code) && unraised::need(code).is_none())
     }
 
     /// As Markdown: code, stage, weight, how many runs raised it, one of them, what was compared; then the codes that
@@ -97,7 +94,7 @@ impl Raised {
         }
         let mut none: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
         for code in explained.0.keys().filter(|code| !self.0.contains_key(*code)) {
-            none.entry(unraised::need(code).unwrap_or("what other runs have")).or_default().push(code);
+            none.entry(unraised::need(code).unwrap_or("no reason")).or_default().push(code);
         }
         out.push_str("\n| raised by no run | needs |\n|---|---|\n");
         for (need, codes) in none {
@@ -111,6 +108,13 @@ impl Raised {
 mod tests {
     use super::*;
     use serde_json::json;
+
+    #[test]
+    fn of_all_runs_each_code_is_raised_or_has_a_reason() {
+        let lacks =
+            |code: &str| Raised::default().lacks_a_reason(&Explained([(code.to_owned(), String::new())].into()));
+        assert!(lacks("CR148") && !lacks("CR112") && !lacks("CR431") && !lacks("CR301"));
+    }
 
     #[test]
     fn a_number_is_a_value_as_shown_or_stands_in_a_name_or_in_the_explanation() {
