@@ -113,8 +113,8 @@ fn indexed<'a>(fleet: &Path, row: &'a Row, several: bool) -> IndexedRun<'a> {
     }
 }
 
-/// Why a run has no result: by its summary, by what its programs told, or the first line of what programs from elsewhere
-/// said.
+/// Why a run has no result: by its summary, by what its programs told, or the first line of what clap or a program from
+/// elsewhere said.
 fn reason(row: &Row) -> String {
     let told = || {
         let first = row.ended.error.lines().next().unwrap_or_default();
