@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crumple_artifact::records::{ConcernsV2, MetricsV2, ModesV2, RemarksV1};
+use crumple_artifact::records::{ConcernsV2, IdentificationV1, MetricsV2, ModesV2, RemarksV1};
 use crumple_artifact::{
     Artifact, JsonForm, Provenance, RawRecord, ReadError, Record, WAVE_PREFIX, Wave, blake3_text, same_type,
 };
@@ -240,6 +240,10 @@ fn json_of(artifact: &Artifact, raw: &RawRecord) -> Result<Option<Value>, ReadEr
             let mut value: Value = serde_json::from_str(&text).map_err(|error| message(error.to_string()))?;
             if same_type(RemarksV1::SCHEMA, &raw.schema) {
                 return Ok(Some(remarks_by_code(value.get("remarks").unwrap_or(&value))));
+            }
+            // They stand in `/remarks` too.
+            if same_type(IdentificationV1::SCHEMA, &raw.schema) {
+                value.as_object_mut().and_then(|record| record.remove("remarks"));
             }
             let list = list_of(raw).and_then(|name| value.get_mut(name)).map(Value::take);
             Ok(Some(list.unwrap_or(value)))

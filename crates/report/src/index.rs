@@ -148,7 +148,7 @@ fn failures(runs: &[IndexedRun<'_>]) -> String {
     for (code, runs) in groups {
         out.push_str(&format!("<details><summary>{} × {}</summary><ul>\n", runs.len(), status(code)));
         for run in runs.iter().take(NAMED) {
-            let reason = html(&shortened(line_of(&run.error), SHOWN));
+            let reason = html(&shortened(run.reason(), SHOWN));
             out.push_str(&format!("<li>{}: {reason}</li>\n", run.linked()));
         }
         if runs.len() > NAMED {
@@ -160,15 +160,9 @@ fn failures(runs: &[IndexedRun<'_>]) -> String {
     out
 }
 
-/// The line of an error that says why.
-fn line_of(error: &str) -> &str {
-    let says_why = |line: &&str| line.contains("caused by:") || line.contains("no acceptable result:");
-    let line = error.lines().find(says_why).or_else(|| error.lines().next()).unwrap_or(NO_WORD);
-    line.split_once("caused by:").or_else(|| line.split_once("error: ")).map_or(line, |(_, cause)| cause).trim()
-}
-
-/// A text of at most so many characters, cut between words.
+/// The first line of a text, of at most so many characters, cut between words.
 fn shortened(text: &str, most: usize) -> String {
+    let text = text.lines().next().unwrap_or_default();
     let Some((end, _)) = text.char_indices().nth(most) else { return text.to_owned() };
     let cut = &text[..end];
     // A word longer than half of the room is cut itself.
@@ -189,8 +183,8 @@ pub struct IndexedRun<'a> {
     pub report: Option<String>,
     /// Exit code of the run; 4 is a result that is not acceptable.
     pub exit_code: i32,
-    /// What was said of it where the code is not 0.
-    pub error: String,
+    /// Why, where the code is not 0; empty: nobody has said it.
+    pub reason: String,
     /// What it found, where it has a result.
     pub summary: Option<&'a Summary>,
     /// Its pulse as a small line, HTML; empty: none.
@@ -202,10 +196,13 @@ impl IndexedRun<'_> {
     pub fn ending(summary: &Summary) -> (i32, String) {
         let verdict = &summary.verdict;
         match (verdict.standing, &verdict.reason) {
-            (ResultStatus::NoResult, Some(reason)) => (4, reason.clone()),
-            (ResultStatus::NoResult, None) => (4, NO_WORD.to_owned()),
+            (ResultStatus::NoResult, reason) => (4, reason.clone().unwrap_or_default()),
             _ => (0, String::new()),
         }
+    }
+
+    fn reason(&self) -> &str {
+        if self.reason.is_empty() { NO_WORD } else { &self.reason }
     }
 
     /// Its name, HTML: a link to its report where there is one.
@@ -309,7 +306,7 @@ fn row(out: &mut String, run: &IndexedRun<'_>, several: bool) {
     let warning = match summary.and_then(|summary| summary.concerns.first()) {
         Some(concern) if run.is_done() => &concern.with_code(),
         _ if run.is_done() => "",
-        _ => line_of(&run.error),
+        _ => run.reason(),
     };
     let _ = write!(out, "<td>{certainty}<td>{}<td>{}", run.pulse, html(&shortened(warning, OF_WARNING)));
     if several {

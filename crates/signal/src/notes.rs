@@ -146,9 +146,6 @@ pub struct ConcernContext {
 
 // Remarks that a stage leaves for the reader of its result.
 
-/// What a warning begins with in its text form, as the record of notes has it on disk.
-const WARNING_PREFIX: &str = "warning: ";
-
 /// How much a note matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
@@ -158,8 +155,17 @@ pub enum Severity {
     Warning,
 }
 
-/// A remark in plain words. Its text form, which [`Note::parse`] reads back, starts with `warning: ` if it is a
-/// warning: nothing else in the code writes or reads that prefix.
+impl Severity {
+    /// What stands in front of the sentence where it is printed alone.
+    pub const fn mark(self) -> &'static str {
+        match self {
+            Self::Info => "",
+            Self::Warning => "warning: ",
+        }
+    }
+}
+
+/// A remark in plain words. It is printed with the [mark](Severity::mark) of its severity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Note {
     /// How much it matters.
@@ -176,10 +182,7 @@ pub struct Note {
 
 impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.severity {
-            Severity::Info => f.write_str(&self.text),
-            Severity::Warning => write!(f, "{WARNING_PREFIX}{}", self.text),
-        }
+        write!(f, "{}{}", self.severity.mark(), self.text)
     }
 }
 
@@ -207,14 +210,6 @@ impl Note {
     pub fn within(mut self, front: &str, behind: &str) -> Self {
         self.text = format!("{front}{}{behind}", self.text);
         self
-    }
-
-    /// Reads the text form back.
-    pub fn parse(text: &str) -> Self {
-        match text.strip_prefix(WARNING_PREFIX) {
-            Some(rest) => Self::warning(rest),
-            None => Self::info(text),
-        }
     }
 }
 

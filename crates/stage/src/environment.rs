@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use crate::error::Usage;
+use crate::error::{REASON_FILE, Usage};
 use crate::names::chain;
 use crate::typed::IN_RUN;
 
@@ -10,8 +10,9 @@ use crate::typed::IN_RUN;
 const PREFIX: &str = "CRUMPLE_";
 
 /// Variables beside those of the stages: of programs, of the recipes, of CI, of tests, of what writes documents again.
-const OTHERS: [&str; 29] = [
+const OTHERS: [&str; 30] = [
     IN_RUN,
+    REASON_FILE,
     "CRUMPLE_AUTHOR",
     "CRUMPLE_BENCH",
     "CRUMPLE_BENCH_COUNTED",

@@ -1,5 +1,6 @@
 //! Errors that people can act on, and exit codes.
 
+use std::fs;
 use std::process::ExitCode;
 
 use crumple_artifact::ReadError;
@@ -177,16 +178,37 @@ fn is_in_chain<E: std::error::Error + Send + Sync + 'static>(error: &anyhow::Err
     find_in_chain::<E>(error).is_some()
 }
 
+/// Names a file, where the caller of a program wants to know why it has no result: the first reason is written there.
+pub const REASON_FILE: &str = "CRUMPLE_REASON_FILE";
+
+/// Tells the caller why there is no result, where it asks for that: the cause next to the error, or the error alone.
+pub(crate) fn tell_caller(error: &anyhow::Error) {
+    let Some(path) = std::env::var_os(REASON_FILE) else { return };
+    if fs::metadata(&path).is_ok_and(|file| file.len() == 0) {
+        let causes = causes(error);
+        // Where it cannot be written, what stands on stderr must do.
+        _ = fs::write(&path, causes.get(1).unwrap_or(&causes[0]));
+    }
+}
+
+/// The error and its causes. Some messages quote their cause already, which is then left out.
+fn causes(error: &anyhow::Error) -> Vec<String> {
+    let mut causes: Vec<String> = Vec::new();
+    for text in error.chain().map(ToString::to_string) {
+        if !causes.iter().any(|effect| effect.contains(&text)) {
+            causes.push(text);
+        }
+    }
+    causes
+}
+
 /// The text for stderr: `error:`, the causes, what was expected, one hint.
 pub(crate) fn render(error: &anyhow::Error) -> String {
-    let mut lines = vec![format!("error: {error}")];
+    let label = |place: usize| if place == 0 { "error" } else { "  caused by" };
+    let told = causes(error).into_iter().enumerate();
+    let mut lines: Vec<String> = told.map(|(place, text)| format!("{}: {text}", label(place))).collect();
     let (mut expected, mut hint) = (None, None);
-    for (depth, cause) in error.chain().enumerate() {
-        let text = cause.to_string();
-        // Some messages quote their cause already.
-        if depth > 0 && !lines.iter().any(|line| line.contains(&text)) {
-            lines.push(format!("  caused by: {text}"));
-        }
+    for cause in error.chain() {
         if let Some(refused) = cause.downcast_ref::<Refused>() {
             expected = expected.or(refused.expected.clone());
             hint = hint.or(refused.hint.clone());
@@ -238,6 +260,7 @@ mod tests {
         let text = render(&long);
         assert!(text.chars().count() < 2100 && text.starts_with("error: ää") && text.ends_with("ää is no name"));
         assert!(text.contains("... (98018 characters left out) ..."), "{text}");
+        assert_eq!(causes(&error), ["cannot read a.csv", "a.csv, line 7: \"x\" is no number"]);
         assert_eq!(status_of(&error), ExitStatus::Refused);
         assert_eq!(status_of(&Usage::new("no such key").into()), ExitStatus::Usage);
         assert_eq!(status_of(&anyhow::anyhow!("disk on fire")), ExitStatus::Failure);

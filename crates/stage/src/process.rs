@@ -22,7 +22,7 @@ use crate::command_line::args;
 use crate::command_line::args::{Cli, SharedFlags, keep_budget};
 use crate::command_line::left_out::{self, LeftOut};
 use crate::command_line::pipeline::{canonical_json, hint_default_pipeline, merge};
-use crate::error::{ExitStatus, MissingTopic, find_in_chain, render, status_of};
+use crate::error::{ExitStatus, MissingTopic, find_in_chain, render, status_of, tell_caller};
 use crate::terminal::{be_quiet, columns, say, to_stdout, wrapped};
 use crate::typed;
 use crate::typed::Way;
@@ -264,8 +264,8 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
         if let Some(remedy) = out.without.as_ref().and(remedy.as_deref()) {
             say(format_args!("{:<16} hint: {remedy}", S::NAME));
         }
-        // Of a warning that stands among the lines of what it is about there is no second.
-        remarks.retain(|remark| remark.stage == S::NAME && !out.summary.contains(&format!("warning: {}", remark.text)));
+        // Of a remark that stands among the lines of what it is about there is no second.
+        remarks.retain(|remark| remark.stage == S::NAME && !out.is_in_summary(remark));
         print_remarks(S::NAME, &remarks, &common.output);
     }
     if common.json {
@@ -379,7 +379,7 @@ fn print_remarks(stage: &str, remarks: &[RemarkV1], output: &Path) {
     let said = remarks.iter().filter(|remark| !is_no_result(remark));
     let (warnings, others): (Vec<&RemarkV1>, Vec<&RemarkV1>) = said.partition(|remark| remark.is_warning());
     for warning in warnings {
-        say(format_args!("{stage:<16} warning: {}", warning.with_code()));
+        say(format_args!("{stage:<16} {}{}", warning.mark(), warning.with_code()));
     }
     let count = match others.len() {
         0 => return,
@@ -566,6 +566,7 @@ fn finish(result: Result<ExitStatus, Result<ExitStatus, anyhow::Error>>) -> Exit
         Ok(status) | Err(Ok(status)) => status,
         Err(Err(error)) => {
             say(render(&error));
+            tell_caller(&error);
             status_of(&error)
         }
     }

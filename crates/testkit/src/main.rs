@@ -109,7 +109,8 @@ enum Command {
     PredictionBenchmark(PredictionBenchmark),
     /// Values of runs, of their remarks and every number people see, compared with the known truth of the records
     ///
-    /// Prints what was compared, how often intervals hold the truth, what contradicts it, and which codes were raised.
+    /// Prints what was compared, how often intervals hold the truth, what contradicts it, which codes were raised, and
+    /// why the others were not.
     Truth {
         #[command(flatten)]
         programs: Programs,
@@ -405,7 +406,8 @@ fn hold_against_truth(bin: &Path, extent: Extent, wanted: &[String]) -> Result<b
     let runs = truth::run_all(&asked, bin, &folder);
     std::fs::remove_dir_all(&folder)?;
     let failed = runs.iter().filter_map(|run| run.as_ref().err()).inspect(|error| eprintln!("error: {error}")).count();
-    let mut net = Net::new(Explained::by(bin).map_err(|error| error.to_string())?);
+    let are_all = wanted.is_empty() && extent.is_full();
+    let mut net = Net::new(Explained::by(bin).map_err(|error| error.to_string())?, are_all);
     runs.iter().flatten().for_each(|made| net.read(made));
     print!("{}", net.table());
     Ok(failed == 0 && net.holds())

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::records::RemarkV1;
+
 // Record: validation of an identified model.
 
 /// Validation of an identified model beyond its fit. Topic `/evidence/<id>`.
@@ -222,7 +224,7 @@ pub struct IdentificationV1 {
     pub fit_percent: Option<f64>,
     /// Root mean square error of the response, unit of the channel.
     pub rmse: Option<f64>,
-    /// What a reader should know.
+    /// The sentences of `remarks`, `warning: ` in front where it may change a conclusion: what programs of before read.
     pub notes: Vec<String>,
     /// Fit of every output where there are several, in the order of `channel`; `fit_percent` is then the smallest.
     #[serde(default)]
@@ -232,6 +234,9 @@ pub struct IdentificationV1 {
     /// Channels that drive the model; empty: none does, or an earlier artifact does not say it.
     #[serde(default)]
     pub inputs: Vec<String>,
+    /// What a reader should know; empty: nothing, or an earlier artifact has it in `notes` alone.
+    #[serde(default)]
+    pub remarks: Vec<RemarkV1>,
 }
 
 // Records: identified models (state space, transfer function, exponential sum) and their modes.

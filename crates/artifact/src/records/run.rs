@@ -175,6 +175,17 @@ impl RemarkV1 {
         self.weight > 0
     }
 
+    /// What stands in front of its sentence where it is printed alone.
+    pub fn mark(&self) -> &'static str {
+        if self.is_warning() { Severity::Warning.mark() } else { Severity::Info.mark() }
+    }
+
+    /// Whether it says what another remark says: of one code with equal values, or without a code in one sentence.
+    pub fn says_the_same(&self, other: &Self) -> bool {
+        let is_equal_without_code = !self.code.is_empty() || self.text == other.text;
+        self.code == other.code && self.values == other.values && is_equal_without_code
+    }
+
     /// Its sentence with its code behind it.
     pub fn with_code(&self) -> String {
         if self.code.is_empty() { self.text.clone() } else { format!("{} [{}]", self.text, self.code) }

@@ -265,6 +265,7 @@ fn freeze_identification() {
         output_fits_percent: vec![],
         delay_s: Some(1e-3),
         inputs: vec!["93".into()],
+        remarks: vec![],
     });
     freeze(&EvidenceV1 {
         input: Some("93".into()),

@@ -270,7 +270,7 @@ pub fn put_ambient(source: Source<'_>, out: &mut Output) -> anyhow::Result<Optio
         let frequency_hz = frequency_rad_per_s / TAU;
         let (damping_ratio, kurtosis) = (*damping_ratio, *kurtosis);
         let note = Note::from(RunningMachine { frequency_hz, damping_ratio, kurtosis });
-        out.summary(note.to_string());
+        out.summary(note.clone());
         out.notes().push(note);
     }
     let channels: Vec<&str> = record.outputs.iter().map(|wave| wave.id.as_str()).collect();

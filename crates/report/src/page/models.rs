@@ -8,9 +8,9 @@ use crate::drawing::escape::html;
 use crate::drawing::numbers::{ABSENT, Rounding};
 use crate::findings::{Concern, Model, ModelOutput, PoleStability, Run, is_of_a_failed_method};
 use crumple_artifact::records::{
-    EvidenceV1, IdentificationV1, ModeV1, NoiseModelV1, OtherPoleKindV1, RecommendedBecauseV1, SpreadV1,
+    EvidenceV1, IdentificationV1, ModeV1, NoiseModelV1, OtherPoleKindV1, RecommendedBecauseV1, RemarkV1, SpreadV1,
 };
-use crumple_signal::{Note, Severity};
+use crumple_stage::remarks_of_model;
 
 use crate::frame::{Column, table};
 use crate::page::figures;
@@ -75,12 +75,13 @@ fn write_failed_methods(out: &mut String, concerns: &[Concern]) {
 
 fn write_model(out: &mut String, model: &Model) {
     out.push_str(&format!("<h3><code>{}</code></h3>\n", html(&model.id)));
-    let notes: Vec<Note> = model.identification.iter().flat_map(|i| &i.notes).map(|text| Note::parse(text)).collect();
-    let list = |severity: Severity| -> String {
-        let of_severity = notes.iter().filter(|note| note.severity == severity);
-        of_severity.map(|note| format!("<li>{}</li>", html(&note.to_string()))).collect()
+    let remarks = model.identification.as_ref().map(remarks_of_model).unwrap_or_default();
+    let (warnings, infos): (Vec<RemarkV1>, Vec<RemarkV1>) = remarks.into_iter().partition(RemarkV1::is_warning);
+    let list = |remarks: &[RemarkV1]| -> String {
+        let item = |remark: &RemarkV1| format!("<li>{}{}</li>", remark.mark(), html(&remark.text));
+        remarks.iter().map(item).collect()
     };
-    let warnings = list(Severity::Warning);
+    let warnings = list(&warnings);
     if !warnings.is_empty() {
         out.push_str(&format!("<ul class=\"remarks\">{warnings}</ul>\n"));
     }
@@ -90,9 +91,8 @@ fn write_model(out: &mut String, model: &Model) {
     write_outputs(out, model);
     write_form(out, model);
     write_poles(out, model);
-    let infos = list(Severity::Info);
     if !infos.is_empty() {
-        let count = notes.iter().filter(|n| n.severity == Severity::Info).count();
+        let (count, infos) = (infos.len(), list(&infos));
         out.push_str(&format!(
             "<details><summary>Notes on this model ({count})</summary>\n\
              <ul class=\"remarks\">{infos}</ul>\n</details>\n"

@@ -5,6 +5,7 @@ use crate::findings::ranking::none_recommended;
 use crate::findings::{CandidateResult, Concern, Ranking, Run, is_of_another_candidate, short, warnings};
 use crate::words;
 use crumple_artifact::records::RemarkV1;
+use crumple_stage::remarks_of_model;
 
 use crate::frame::{Column, table};
 use crate::page::conclusion;
@@ -54,8 +55,9 @@ pub(super) fn write_notes(out: &mut String, run: &Run, ranking: &Ranking, concer
         }
     }
     // Each model lists its own.
-    let of_models = || run.models.iter().filter_map(|model| model.identification.as_ref()).flat_map(|i| &i.notes);
-    let is_of_model = |remark: &RemarkV1| of_models().any(|text| *text == remark.text);
+    let identified = run.models.iter().filter_map(|model| model.identification.as_ref());
+    let of_models: Vec<RemarkV1> = identified.flat_map(remarks_of_model).collect();
+    let is_of_model = |remark: &RemarkV1| of_models.iter().any(|own| own.says_the_same(remark));
     let infos: Vec<&RemarkV1> = run.infos().filter(|remark| !is_of_model(remark)).collect();
     for of_stage in infos.chunk_by(|a, b| a.stage == b.stage) {
         let Some(RemarkV1 { stage, .. }) = of_stage.first() else { continue };

@@ -30,13 +30,13 @@ pub fn index(inputs: &[PathBuf], page: &Path, quiet: bool) -> anyhow::Result<Exi
     named.sort_by(|a, b| (&a.0, a.1).cmp(&(&b.0, b.1)));
     let mut runs = Vec::new();
     for (name, folder, summary) in &named {
-        let (exit_code, error) = ending(folder, summary.as_ref());
+        let (exit_code, reason) = ending(folder, summary.as_ref());
         runs.push(IndexedRun {
             name: name.clone(),
             variant: String::new(),
             report: address(page, &folder.join("report.html")),
             exit_code,
-            error,
+            reason,
             summary: summary.as_ref(),
             pulse: summary.as_ref().map_or_else(String::new, |summary| pulse(folder, summary)),
         });

@@ -107,10 +107,21 @@ fn indexed<'a>(fleet: &Path, row: &'a Row, several: bool) -> IndexedRun<'a> {
         variant: if several { variant() } else { String::new() },
         report: row.summary.as_ref().map(|_| format!("{}/report.html", row.run.folder)),
         exit_code: row.ended.exit_code,
-        error: row.ended.error.clone(),
+        reason: reason(row),
         summary: row.summary.as_ref(),
         pulse: pulse(fleet, row),
     }
+}
+
+/// Why a run has no result: by its summary, by what its programs told, or the first line of what clap or a program from
+/// elsewhere said.
+fn reason(row: &Row) -> String {
+    let told = || {
+        let first = row.ended.error.lines().next().unwrap_or_default();
+        first.strip_prefix("error: ").unwrap_or(first).to_owned()
+    };
+    let of_summary = row.summary.as_ref().map(|summary| IndexedRun::ending(summary).1);
+    of_summary.filter(|reason| !reason.is_empty()).or_else(|| row.ended.reason.clone()).unwrap_or_else(told)
 }
 
 // Which points lie far from the line through the others.
@@ -303,13 +314,13 @@ mod tests {
             key: None,
         };
         let refused = number % 50 == 49;
-        let error =
-            format!("error: cannot read {name}.csv\n  caused by: {name}.csv, line {number}: \"x\" is no number");
+        let reason = format!("{name}.csv, line {number}: \"x\" is no number");
         let ended = JournalEntry {
             key: String::new(),
             folder: run.folder.clone(),
             exit_code: if refused { 3 } else { 0 },
-            error: if refused { error } else { String::new() },
+            error: if refused { format!("error: cannot read {name}.csv") } else { String::new() },
+            reason: refused.then_some(reason),
             summary: None,
             seconds: 0.0,
         };

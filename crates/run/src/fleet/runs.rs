@@ -13,9 +13,10 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
-use crumple_stage::{Usage, say};
+use crumple_stage::{REASON_FILE, Usage, say};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::{Deserialize, Serialize};
+use tempfile::NamedTempFile;
 
 use crate::command::Pipeline;
 use crate::fleet::command::{Options, combinations};
@@ -45,6 +46,9 @@ pub(crate) struct JournalEntry {
     pub(crate) exit_code: i32,
     /// What was said of it, where there is no result or none that is acceptable.
     pub(crate) error: String,
+    /// The reason among it, where a program of the project told it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) reason: Option<String>,
     /// Digest of `summary.json`, where there is a result.
     pub(crate) summary: Option<String>,
     /// Wall time, s: for the planning of larger fleets, in no table.
@@ -430,6 +434,8 @@ pub(crate) fn run_record(run: &Run, fleet: &Path, options: &Options) -> anyhow::
     if options.jobs != Some(1) {
         command.env("RAYON_NUM_THREADS", "1");
     }
+    let told = NamedTempFile::new().context("cannot make a file for the reason of a run without a result")?;
+    command.env(REASON_FILE, told.path());
     let started = Instant::now();
     let output = command
         .args(arguments)
@@ -439,11 +445,13 @@ pub(crate) fn run_record(run: &Run, fleet: &Path, options: &Options) -> anyhow::
         .with_context(|| format!("cannot start {}", command.get_program().display()))?;
     let exit_code = exit_code_of(output.status);
     let said = String::from_utf8_lossy(&output.stderr);
+    let reason = fs::read_to_string(told.path()).ok().filter(|reason| !reason.is_empty());
     let mut ended = JournalEntry {
         key: run.key.clone().unwrap_or_default(),
         folder: run.folder.clone(),
         exit_code,
         error: if exit_code == 0 { String::new() } else { without_places(&said, run, &folder, &options.project) },
+        reason: reason.map(|reason| without_places(&reason, run, &folder, &options.project)),
         summary: None,
         seconds: (started.elapsed().as_secs_f64() * 1e3).round() / 1e3,
     };
@@ -473,7 +481,15 @@ mod tests {
 
     fn ended(folder: &str, exit_code: i32) -> JournalEntry {
         let folder = folder.to_owned();
-        JournalEntry { key: "k".to_owned(), folder, exit_code, error: String::new(), summary: None, seconds: 0.1 }
+        JournalEntry {
+            key: "k".to_owned(),
+            folder,
+            exit_code,
+            error: String::new(),
+            reason: None,
+            summary: None,
+            seconds: 0.1,
+        }
     }
 
     #[test]

@@ -228,7 +228,7 @@ impl<'a> JointFits<'a> {
         let said = String::from_utf8_lossy(&output.stderr);
         let error = if exit_code == 0 { "" } else { said.lines().next().unwrap_or_default() };
         let summary = (exit_code == 0).then(|| digest_of_summary(&path)).flatten();
-        Ok(JournalEntry { key, folder, exit_code, error: error.to_owned(), summary, seconds: 0.0 })
+        Ok(JournalEntry { key, folder, exit_code, error: error.to_owned(), reason: None, summary, seconds: 0.0 })
     }
 }
 

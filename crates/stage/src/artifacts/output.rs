@@ -1,10 +1,12 @@
 //! What a stage writes, and what it does not overwrite.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
+use crumple_artifact::records::RemarkV1;
 use crumple_artifact::{ArtifactBuilder, OutputKind, Record, WriteError};
-use crumple_signal::{Notes, QuantityKind, Sampled};
+use crumple_signal::{Note, Notes, QuantityKind, Sampled};
 
 use crate::artifacts::inputs::path_of;
 use crate::artifacts::remarks::LeftOut;
@@ -13,11 +15,41 @@ use crate::error::{Refused, Usage};
 use crate::terminal::Progress;
 use crate::typed::by_way;
 
+/// A line of the short summary.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SummaryLine {
+    /// A text.
+    Text(String),
+    /// A remark, which is not printed a second time.
+    Remark(Note),
+}
+
+impl From<String> for SummaryLine {
+    fn from(text: String) -> Self {
+        Self::Text(text)
+    }
+}
+
+impl From<Note> for SummaryLine {
+    fn from(remark: Note) -> Self {
+        Self::Remark(remark)
+    }
+}
+
+impl fmt::Display for SummaryLine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Text(text) => f.write_str(text),
+            Self::Remark(remark) => remark.fmt(f),
+        }
+    }
+}
+
 /// Collects records, waveforms, notes and the summary of a stage.
 pub struct Output {
     pub(crate) builder: ArtifactBuilder,
     pub(crate) notes: Notes,
-    pub(crate) summary: Vec<String>,
+    pub(crate) summary: Vec<SummaryLine>,
     pub(crate) without: Option<String>,
     pub(crate) remedy: Option<String>,
 }
@@ -53,17 +85,28 @@ impl Output {
         &mut self.notes
     }
 
-    /// Adds a line to the short summary on stderr. A warning of the notes that is put here, in its text form, is not
-    /// printed again.
-    pub fn summary(&mut self, line: impl Into<String>) {
+    /// Adds a line to the short summary on stderr.
+    pub fn summary(&mut self, line: impl Into<SummaryLine>) {
         self.summary.push(line.into());
+    }
+
+    /// Puts a remark in the place of one that a line of the summary has, now that more is known.
+    pub fn replace_in_summary(&mut self, remark: &Note, by: &Note) {
+        let lines = self.summary.iter_mut().filter(|line| matches!(line, SummaryLine::Remark(own) if own == remark));
+        lines.for_each(|line| *line = SummaryLine::Remark(by.clone()));
+    }
+
+    /// Whether a line of the summary has this remark of the stage.
+    pub(crate) fn is_in_summary(&self, remark: &RemarkV1) -> bool {
+        let is_said = |note: &Note| RemarkV1::new(&remark.stage, note).says_the_same(remark);
+        self.summary.iter().any(|line| matches!(line, SummaryLine::Remark(note) if is_said(note)))
     }
 
     /// States why a result that is done holds nothing that later stages work on: they then have no acceptable result,
     /// for this reason. A line of the summary too.
     pub fn nothing_for_later_stages(&mut self, reason: impl Into<String>) {
         let reason = reason.into();
-        self.summary.push(reason.clone());
+        self.summary(reason.clone());
         self.without = Some(reason);
     }
 
@@ -134,6 +177,21 @@ pub fn results_of_an_earlier_run(folder: &Path) -> Option<String> {
 mod tests {
     use super::*;
     use std::fs;
+
+    use crumple_signal::Value;
+
+    #[test]
+    fn a_remark_in_the_summary_is_known_by_its_values() {
+        let of_value = |value: f64| Note { values: vec![("k", Value::Number(value))], ..Note::warning("k is odd") };
+        let is_said = |out: &Output, value: f64| out.is_in_summary(&RemarkV1::new("filter", &of_value(value)));
+        let mut out = Output::new();
+        out.summary("warning: k is odd".to_owned());
+        assert!(!is_said(&out, 1.0));
+        out.summary(of_value(1.0));
+        assert!(is_said(&out, 1.0) && !is_said(&out, 2.0));
+        out.replace_in_summary(&of_value(1.0), &of_value(2.0));
+        assert!(!is_said(&out, 1.0) && is_said(&out, 2.0));
+    }
 
     #[test]
     fn inputs_and_files_of_other_kinds_are_refused() {

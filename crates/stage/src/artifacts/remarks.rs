@@ -2,9 +2,11 @@
 
 use std::cmp::Reverse;
 
-use crumple_artifact::records::{ConcernV1, ConcernsV2, DiagnosisV1, NotesV1, RemarkV1, RemarksV1, SeverityV1};
+use crumple_artifact::records::{
+    ConcernV1, ConcernsV2, DiagnosisV1, IdentificationV1, NotesV1, RemarkV1, RemarksV1, SeverityV1,
+};
 use crumple_artifact::{Artifact, ReadError};
-use crumple_signal::{About, Note, Notes, Weight, remarks};
+use crumple_signal::{About, Note, Notes, Severity, Weight, remarks};
 
 remarks! {
     /// What every stage can say.
@@ -78,7 +80,7 @@ pub fn remarks_of(artifact: &Artifact) -> Result<Vec<RemarkV1>, ReadError> {
     };
     let mut all: Vec<RemarkV1> = concerns.into_iter().map(of_concern).collect();
     if let Some(NotesV1 { stage, notes }) = artifact.record("/notes")? {
-        for note in notes.iter().map(|text| RemarkV1::new(&stage, &Note::parse(text))) {
+        for note in notes.iter().map(|text| of_text(&stage, text)) {
             if !all.iter().any(|known| known.stage == note.stage && known.text == note.text) {
                 all.push(note);
             }
@@ -89,4 +91,50 @@ pub fn remarks_of(artifact: &Artifact) -> Result<Vec<RemarkV1>, ReadError> {
     }
     all.sort_by_key(|remark| Reverse(remark.weight));
     Ok(all)
+}
+
+/// The stage of identified models.
+const IDENTIFY: &str = "identify";
+
+/// Writes what is remarked of an identified model into its record.
+pub fn remark_on_model(record: &mut IdentificationV1, notes: &[Note]) {
+    record.notes = notes.iter().map(Note::to_string).collect();
+    record.remarks = notes.iter().map(|note| RemarkV1::new(IDENTIFY, note)).collect();
+}
+
+/// What the record of an identified model remarks, in its order; of an artifact of before its sentences.
+pub fn remarks_of_model(record: &IdentificationV1) -> Vec<RemarkV1> {
+    if record.remarks.is_empty() {
+        return record.notes.iter().map(|text| of_text(IDENTIFY, text)).collect();
+    }
+    record.remarks.clone()
+}
+
+/// A remark of an artifact of before, which has sentences alone: a warning has its mark in front.
+fn of_text(stage: &str, text: &str) -> RemarkV1 {
+    let warning = text.strip_prefix(Severity::Warning.mark()).map(Note::warning);
+    RemarkV1::new(stage, &warning.unwrap_or_else(|| Note::info(text)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_model_remarks_by_values_and_one_of_before_by_sentences() {
+        let said = NoResult { reason: "no pole".to_owned() }.into();
+        let mut record: IdentificationV1 = serde_json::from_value(serde_json::json!({
+            "method": "era", "order": 2, "channel": "a", "treated_as": "ambient", "from_s": 0, "to_s": 1, "samples": 2,
+            "singular_values": [], "notes": ["warning: clipped", "of two sensors"],
+        }))
+        .unwrap();
+        let of_before = remarks_of_model(&record);
+        let told = of_before.iter().map(|remark| (remark.code.as_str(), remark.weight, remark.text.as_str()));
+        assert_eq!(Vec::from_iter(told), [("", 1, "clipped"), ("", 0, "of two sensors")]);
+        remark_on_model(&mut record, &[said]);
+        let remarks = remarks_of_model(&record);
+        assert_eq!((remarks.len(), remarks[0].code.as_str()), (1, NoResult::KIND.code));
+        assert_eq!(record.notes, ["warning: no pole"]);
+        assert!(remarks[0].says_the_same(&remarks[0]) && !remarks[0].says_the_same(&of_before[0]));
+    }
 }

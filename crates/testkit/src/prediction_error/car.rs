@@ -8,8 +8,6 @@ use crate::records::{FINE_S, LowPass};
 
 /// Steps of the simulator from contact on, [`FINE_S`] each: 0.2 s, beyond the rebound.
 pub(crate) const STEPS: usize = 20_000;
-/// Samples of rest before a truth that is filtered: 50 ms.
-const REST: usize = 5000;
 
 /// A car before its test.
 #[derive(Debug, Clone)]
@@ -59,12 +57,10 @@ impl Car {
     /// What such a test shows.
     pub fn truth(&self, speed: f64, mass_factor: f64) -> Truth {
         let motion = self.test(speed, mass_factor);
-        let wave = std::iter::repeat_n(0.0, REST).chain(motion.acceleration.iter().copied());
-        let behind_filter = LowPass::of_class(60.0).both_ways(wave, FINE_S);
         Truth {
             crush_m: motion.crush_m,
             time_s: motion.time_s,
-            peak_m_per_s2: behind_filter.iter().fold(0.0, |peak, a| peak.max(-a)),
+            peak_m_per_s2: LowPass::peak_of_class_60(&motion.acceleration, FINE_S),
             delta_v_m_per_s: speed * (1.0 + motion.restitution),
             restitution: motion.restitution,
         }

@@ -150,6 +150,14 @@ impl LowPass {
         .collect()
     }
 
+    /// Largest deceleration behind CFC 60, m/s², of a motion from contact on, samples `dt_s` apart, with 50 ms of rest
+    /// before it.
+    pub fn peak_of_class_60(acceleration: &[f64], dt_s: f64) -> f64 {
+        let rest = std::iter::repeat_n(0.0, (0.05 / dt_s).round() as usize);
+        let filtered = Self::of_class(60.0).both_ways(rest.chain(acceleration.iter().copied()), dt_s);
+        filtered.iter().fold(0.0, |peak, a| peak.max(-a))
+    }
+
     /// The wave behind the filter forwards and backwards, so without phase. At a jump of the wave's end, the last
     /// `2 / frequency` mean nothing.
     pub fn both_ways(self, wave: impl Iterator<Item = f64>, dt_s: f64) -> Vec<f64> {

@@ -11,8 +11,6 @@ use crate::records::LowPass;
 /// Sample interval, s, and number of the instants at which a model is moved: 0.3 s, beyond any rebound.
 const DT_S: f64 = 1e-4;
 const INSTANTS: usize = 3001;
-/// Samples of rest before contact while a motion is filtered: 50 ms.
-const REST: usize = 500;
 
 /// What made a record.
 #[derive(Debug, Clone)]
@@ -150,17 +148,11 @@ impl Known {
                     crush_m: events.dynamic_crush_m?,
                     time_s: events.time_of_dynamic_crush_s?,
                     restitution: -rebound / speed_m_per_s,
-                    peak_m_per_s2: peak_behind_cfc_60(&motion.acceleration_m_per_s2),
+                    peak_m_per_s2: LowPass::peak_of_class_60(&motion.acceleration_m_per_s2, DT_S),
                 })
             }
         }
     }
-}
-
-/// Largest deceleration behind CFC 60, m/s².
-fn peak_behind_cfc_60(acceleration: &[f64]) -> f64 {
-    let wave = std::iter::repeat_n(0.0, REST).chain(acceleration.iter().copied());
-    LowPass::of_class(60.0).both_ways(wave, DT_S).iter().fold(0.0, |peak, a| peak.max(-a))
 }
 
 /// A model with more mass in its compartment.

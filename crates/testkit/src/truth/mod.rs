@@ -13,6 +13,7 @@ mod planted;
 mod remarks;
 mod run;
 mod surfaces;
+mod unraised;
 mod values;
 
 pub use cases::{Extent, RunCase, cases};

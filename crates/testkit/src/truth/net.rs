@@ -21,12 +21,14 @@ pub struct Net {
     explained: Explained,
     raised: Raised,
     runs: usize,
+    /// Whether all runs are read, so that what none raises has a reason.
+    are_all: bool,
 }
 
 impl Net {
-    /// Nothing read yet; what is explained of every code.
-    pub fn new(explained: Explained) -> Self {
-        Self { explained, ..Self::default() }
+    /// Nothing read yet; what is explained of every code, and whether all runs follow.
+    pub fn new(explained: Explained, are_all: bool) -> Self {
+        Self { explained, are_all, ..Self::default() }
     }
 
     /// Holds a run against the truth.
@@ -54,9 +56,11 @@ impl Net {
         self.contradictions.extend(found.wrong.into_iter().map(complaint));
     }
 
-    /// Whether nothing contradicts the truth, and intervals hold it as often as they say.
+    /// Whether nothing contradicts the truth, intervals hold it as often as they say, and of all runs what none raises
+    /// has a reason.
     pub fn holds(&self) -> bool {
-        self.contradictions.is_empty() && self.counts.too_low().is_empty()
+        let has_reasons = !self.are_all || !self.raised.lacks_a_reason(&self.explained);
+        self.contradictions.is_empty() && self.counts.too_low().is_empty() && has_reasons
     }
 
     /// The table: rules, intervals, contradictions, codes of remarks.

@@ -10,9 +10,9 @@ use std::process::Command;
 use serde_json::Value;
 
 use crate::numbers::{Shown, numbers};
-use crate::truth::codes;
 use crate::truth::found::Found;
 use crate::truth::run::{Failure, Made};
+use crate::truth::{codes, unraised};
 
 /// What is explained of every code: `crumple explain --markdown`, cut at its headings.
 #[derive(Debug, Default)]
@@ -25,11 +25,6 @@ impl Explained {
         let text = String::from_utf8(output.stdout)?;
         let sections = text.split("## ").filter_map(|section| section.split_once('\n'));
         Ok(Self(sections.map(|(code, text)| (code.to_owned(), text.to_owned())).collect()))
-    }
-
-    /// The codes in their order.
-    pub fn codes(&self) -> impl Iterator<Item = &str> {
-        self.0.keys().map(String::as_str)
     }
 }
 
@@ -73,14 +68,21 @@ impl Raised {
             found.holds(explained.0.contains_key(&code), || "nothing explains this code".to_owned());
             let unstated = unstated_numbers(remark, explained);
             found.holds(unstated.is_empty(), || format!("no value is {}: {:?}", unstated.join(", "), text("text")));
+            let need = unraised::need(&code).filter(|need| *need != unraised::BY_CHANCE);
+            found.holds(need.is_none(), || format!("raised without {}", need.unwrap_or_default()));
             codes::check(made, remark, &mut found);
             (code, found)
         };
         made.list("/remarks").iter().map(one).collect()
     }
 
+    /// Whether no run raised a code, and nothing says why.
+    pub fn lacks_a_reason(&self, explained: &Explained) -> bool {
+        explained.0.keys().any(|code| !self.0.contains_key(code) && unraised::need(code).is_none())
+    }
+
     /// As Markdown: code, stage, weight, how many runs raised it, one of them, what was compared; then the codes that
-    /// none raised.
+    /// none raised, with the reason.
     pub fn table(&self, explained: &Explained) -> String {
         let mut out =
             "\n| code | stage | weight | runs | one of them | checked |\n|---|---|---|---|---|---|\n".to_owned();
@@ -90,8 +92,14 @@ impl Raised {
             let what = if compared.is_empty() { "numbers are values" } else { &compared };
             let _infallible = writeln!(out, "| {code} | {stage} | {weight} | {} | {first} | {what} |", runs.len());
         }
-        let none: Vec<&str> = explained.codes().filter(|code| !self.0.contains_key(*code)).collect();
-        let _infallible = writeln!(out, "\n{} codes raised by no run: {}", none.len(), none.join(", "));
+        let mut none: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+        for code in explained.0.keys().filter(|code| !self.0.contains_key(*code)) {
+            none.entry(unraised::need(code).unwrap_or("no reason")).or_default().push(code);
+        }
+        out.push_str("\n| raised by no run | needs |\n|---|---|\n");
+        for (need, codes) in none {
+            let _infallible = writeln!(out, "| {} | {need} |", codes.join(", "));
+        }
         out
     }
 }
@@ -100,6 +108,13 @@ impl Raised {
 mod tests {
     use super::*;
     use serde_json::json;
+
+    #[test]
+    fn of_all_runs_each_code_is_raised_or_has_a_reason() {
+        let lacks =
+            |code: &str| Raised::default().lacks_a_reason(&Explained([(code.to_owned(), String::new())].into()));
+        assert!(lacks("CR148") && !lacks("CR112") && !lacks("CR431") && !lacks("CR301"));
+    }
 
     #[test]
     fn a_number_is_a_value_as_shown_or_stands_in_a_name_or_in_the_explanation() {

@@ -60,8 +60,8 @@ pub fn run_all(cases: &[&RunCase], bin: &Path, folder: &Path) -> Vec<Result<Made
     all.into_iter().map(|(_, made)| made).collect()
 }
 
-/// Flags of ingest among those of inputs and outputs; the others are those of identify.
-const INGEST: [&str; 2] = ["--sample-time", "--allow-missing"];
+/// Flags of ingest for inputs and outputs.
+const INGEST: [&str; 2] = ["--sample-time=20ms", "--allow-missing"];
 
 /// The Markdown of a report, in the folder of its run.
 const MARKDOWN: &str = "report.md";
@@ -137,10 +137,9 @@ impl Programs<'_> {
     fn identify_alone(&self, case: &RunCase, folder: &Path) -> io::Result<Output> {
         fs::create_dir_all(folder)?;
         let record = case.record.display().to_string();
-        let (ingest, identify): (Vec<&str>, Vec<&str>) =
-            case.flags.iter().map(String::as_str).partition(|flag| INGEST.iter().any(|own| flag.starts_with(own)));
+        let identify: Vec<&str> = case.flags.iter().map(String::as_str).collect();
         let steps = [
-            [&["ingest", &record, "-q", "-o", ARTIFACTS[0]], ingest.as_slice()].concat(),
+            [&["ingest", &record, "-q", "-o", ARTIFACTS[0]], INGEST.as_slice()].concat(),
             [&["identify", ARTIFACTS[0], "-q", "-o", ARTIFACTS[3]], identify.as_slice()].concat(),
         ];
         for arguments in steps {
@@ -268,12 +267,11 @@ impl Made {
     /// Mean and standard deviation of the pulse as it was read between two times, s; up to the end without the second.
     pub fn level(&self, from_s: f64, to_s: Option<f64>) -> Option<(f64, f64)> {
         let pulse = self.pulse()?;
-        let place = |time_s: f64| (((time_s - pulse.t0_s()) / pulse.dt_s()).round().max(0.0)) as usize;
-        let samples = pulse.samples();
-        let end = to_s.map_or(samples.len(), place).min(samples.len());
-        let samples = samples.get(place(from_s)..end).filter(|samples| !samples.is_empty())?;
+        let of = |place: usize| (from_s..to_s.unwrap_or(f64::INFINITY)).contains(&pulse.time_s(place));
+        let samples: Vec<f64> =
+            (0..pulse.len()).filter(|place| of(*place)).map(|place| pulse.samples()[place]).collect();
         let mean = samples.iter().sum::<f64>() / samples.len() as f64;
         let variance = samples.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / samples.len() as f64;
-        Some((mean, variance.sqrt()))
+        variance.is_finite().then(|| (mean, variance.sqrt()))
     }
 }

@@ -38,7 +38,7 @@ const USABLE_PERCENT: f64 = 10.0;
 const WIDE_PERCENT: f64 = 29.0;
 /// How far what a sound record shows may be from the truth: the trigger is off by 0.1 ms (0.3 % of the crush), the
 /// speed by 0.1 km/h (0.2 %), and the zero level left by 2 % of noise (0.5 %).
-pub const OF_RECORD: f64 = 0.02;
+const OF_RECORD: f64 = 0.02;
 /// How far a restitution may be: the speed after the rebound is off by what the zero level makes of 0.1 s.
 pub const OF_RESTITUTION: f64 = 0.03;
 
@@ -214,10 +214,11 @@ fn reason(made: &Made, found: &mut Found) {
     let warnings = || made.list("/remarks").iter().filter(|remark| remark["code"] != "CR900");
     let warning = || warnings().nth(reason["number"].as_u64()?.checked_sub(1)? as usize);
     let is_about = || warning().is_some_and(|remark| remark["about"] == reason["about"]);
+    let spread = made.key_number("dynamic_crush").and_then(|crush| crush["spread"]["channels"].as_array());
     let holds = match kind {
         "good-to" | "beyond" => return good_to(made, reason, found),
         "sensors-differ" => {
-            made.known.sensors == 1 && spread(made).is_some_and(|channels| reason["sensors"] == channels)
+            made.known.sensors == 1 && spread.is_some_and(|channels| reason["sensors"] == channels.len())
         }
         "few-determined" => reason["determined"] == known["determined"] && reason["parameters"] == known["parameters"],
         "misses-its-test" => best.is_some_and(|best| models::misses_time_or_rebound(made, best).is_some()),
@@ -263,11 +264,6 @@ fn good_to(made: &Made, reason: &Value, found: &mut Found) {
     let side = |percent: f64| (percent > 0.0, percent > USABLE_PERCENT, percent > 30.0);
     let rounded = if side(half.round()) == side(half) { half.round() } else { half.ceil() };
     found.near("good_to_percent", reason["good_to_percent"].as_f64().unwrap_or(f64::NAN), rounded, 1e-9);
-}
-
-/// How many sensors of one place the crush is compared over.
-fn spread(made: &Made) -> Option<usize> {
-    made.key_number("dynamic_crush")?["spread"]["channels"].as_array().map(Vec::len)
 }
 
 /// What a run is called good for is right.

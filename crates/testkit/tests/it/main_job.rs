@@ -218,7 +218,7 @@ fn nothing_that_a_run_says_contradicts_the_truth() {
     let folder = tempfile::tempdir().unwrap();
     let bin = binary("crumple-run").parent().unwrap().to_owned();
     let cases = cases(Extent::Short, folder.path()).unwrap();
-    let mut net = Net::new(Explained::by(&bin).unwrap());
+    let mut net = Net::new(Explained::by(&bin).unwrap(), false);
     let runs = truth::run_all(&cases.iter().collect::<Vec<_>>(), &bin, folder.path());
     runs.into_iter().for_each(|made| net.read(&made.unwrap()));
     assert!(net.holds(), "{}", net.table());

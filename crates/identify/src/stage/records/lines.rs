@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use crumple_numerics::lti::Complex;
 use crumple_signal::Note;
+use crumple_stage::SummaryLine;
 use crumple_stage::records::{
     EvidenceV1, IdentificationV1, ModeV1, ModesV2, NoiseModelV1, OtherPoleKindV1, OtherPoleV1, SpreadV1,
 };
@@ -125,15 +126,15 @@ fn percent(fit: Option<f64>) -> String {
 
 impl ModelFacts<'_> {
     /// All lines: first how well it fits, then the warnings, then the model.
-    pub fn lines(&self, warnings: &[&Note]) -> Vec<String> {
-        let mut lines = vec![self.headline()];
+    pub fn lines(&self, warnings: &[&Note]) -> Vec<SummaryLine> {
+        let mut lines = vec![self.headline().into()];
         let shown = if warnings.len() > MOST_WARNINGS + 1 { MOST_WARNINGS } else { warnings.len() };
-        lines.extend(warnings[..shown].iter().map(ToString::to_string));
+        lines.extend(warnings[..shown].iter().map(|warning| SummaryLine::Remark((*warning).clone())));
         if warnings.len() > shown {
-            lines.push(format!("  {} more warnings are in the notes", warnings.len() - shown));
+            lines.push(format!("  {} more warnings are in the notes", warnings.len() - shown).into());
         }
         let mut put = |label: &str, text: Option<String>| {
-            lines.extend(text.map(|text| format!("  {label:<LABEL$} {text}")));
+            lines.extend(text.map(|text| SummaryLine::Text(format!("  {label:<LABEL$} {text}"))));
         };
         put("outputs", self.outputs().filter(|_| !self.is_ambient() && !self.is_predicted_only()));
         self.form().into_iter().for_each(|(label, text)| put(label, Some(text)));

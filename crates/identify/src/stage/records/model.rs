@@ -4,10 +4,10 @@ use std::f64::consts::PI;
 
 use crumple_numerics::lti::{InputHold, StateSpace, to_continuous};
 use crumple_signal::{About, Note, Notes, Sampled, Severity, Weight, remarks};
-use crumple_stage::Output;
 use crumple_stage::records::{
     EvidenceV1, ExponentialSumV1, ExponentialTermV1, IdentificationV1, ShapesV1, StateSpaceV1, TransferFunctionV1,
 };
+use crumple_stage::{Output, remark_on_model};
 use crumple_sysid::{
     Bootstrap, IdentifyError, IoData, NoiseModel, Sample, continued, fit_measures, line_loss, simulate_fitted,
     unseen_squares, weak_fit,
@@ -157,7 +157,7 @@ impl FittedModel<'_> {
         let contradiction = results.enter(self.id, &identification, &mut evidence, self.unseen_squares())?;
         let own = std::mem::take(&mut self.notes);
         let notes: Vec<Note> = contradiction.into_iter().chain(own.iter().cloned()).collect();
-        identification.notes = notes.iter().map(Note::to_string).collect();
+        remark_on_model(&mut identification, &notes);
         results.out.put(&format!("/identification/{}", self.id), &identification)?;
         let warnings: Vec<&Note> = notes.iter().filter(|note| note.severity == Severity::Warning).collect();
         let of_model = lines::ModelFacts {
@@ -346,7 +346,7 @@ impl FittedModel<'_> {
         }
     }
 
-    /// How it was identified; of several outputs the smallest fit stands for all. Its notes are still missing.
+    /// How it was identified; of several outputs the smallest fit stands for all. Its remarks are still missing.
     fn identification(&self) -> IdentificationV1 {
         let first = &self.outputs[0].sampled;
         let fits: Vec<_> = self
@@ -377,6 +377,7 @@ impl FittedModel<'_> {
             output_fits_percent: if single { Vec::new() } else { percent },
             delay_s: self.delay_s,
             inputs: self.inputs.iter().map(|wave| wave.id.clone()).collect(),
+            remarks: Vec::new(),
         }
     }
 }

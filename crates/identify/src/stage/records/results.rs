@@ -103,8 +103,12 @@ impl<'a> Results<'a> {
             if one_holds {
                 notes.push(found);
             } else {
+                let in_summary = Note::from(found.clone());
                 let Contradicted { id, output, from_s, validation_percent, restarted_percent, fit_percent } = found;
-                notes.push(NoneHolds { id, output, from_s, validation_percent, restarted_percent, fit_percent });
+                let remark =
+                    Note::from(NoneHolds { id, output, from_s, validation_percent, restarted_percent, fit_percent });
+                out.replace_in_summary(&in_summary, &remark);
+                notes.push(remark);
             }
         }
         notes.extend(std::mem::take(out.notes()));

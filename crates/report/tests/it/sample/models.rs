@@ -42,6 +42,7 @@ pub(super) fn identification(order: u32) -> IdentificationV1 {
         output_fits_percent: Vec::new(),
         delay_s: None,
         inputs: Vec::new(),
+        remarks: Vec::new(),
     }
 }
 
