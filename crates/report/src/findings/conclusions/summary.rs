@@ -292,8 +292,7 @@ pub fn summary(run: &Run, ranking: &Ranking) -> Summary {
 
 /// `ingest: warning: text`.
 fn as_text(remark: &RemarkV1) -> String {
-    let warning = if remark.is_warning() { "warning: " } else { "" };
-    format!("{}: {warning}{}", remark.stage, remark.text)
+    format!("{}: {}{}", remark.stage, remark.mark(), remark.text)
 }
 
 /// How often a run remarks what its pipeline allows.
