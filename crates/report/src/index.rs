@@ -7,7 +7,7 @@ use crumple_signal::Sampled;
 
 use crate::drawing::escape::{address, html};
 use crate::drawing::{Drawing, Entry, Figure, sparkline, swatch};
-use crate::findings::{ResultStatus, Summary};
+use crate::findings::{Concern, ResultStatus, Status, Summary};
 use crate::findings::{capitalised, model_name};
 use crate::frame::framed;
 use crate::run_numbers::{CRUSH, DELTA_V, MASS, OLC, PEAK, RESTITUTION, RunNumber, SPEED, STIFFNESS, TIME_OF_CRUSH};
@@ -75,6 +75,29 @@ impl RunIndex<'_> {
         let runs = if self.runs.len() == 1 { "run" } else { "runs" };
         let without = if failed > 0 { format!(", {failed} without a result") } else { String::new() };
         format!("{} {runs}, {recommended} with a recommended model{without}", self.runs.len())
+    }
+
+    /// The runs as a terminal shows them: a line each, what it is called, the first numbers, and the status with its
+    /// reason.
+    pub fn lines(&self) -> Vec<String> {
+        let name = |run: &IndexedRun<'_>| run.name.chars().count();
+        let width = self.runs.iter().map(name).max().unwrap_or(0).clamp("run".len(), LONGEST_NAME);
+        let heads: String = IN_TERMINAL.iter().map(|quantity| format!(" {:>9}", quantity.head())).collect();
+        let mut lines = vec![format!("{:<width$}{heads}  status", "run")];
+        lines.extend(self.runs.iter().map(|run| {
+            let number = |quantity: &RunNumber| run.summary.and_then(|summary| quantity.value(summary));
+            let numbers: String = IN_TERMINAL
+                .iter()
+                .map(|quantity| number(quantity).map_or_else(String::new, |value| words::significant(value, DIGITS)))
+                .map(|text| format!(" {text:>9}"))
+                .collect();
+            let said = match run.summary.filter(|_| run.is_done()) {
+                Some(summary) => summary.verdict.status_sentence.clone(),
+                None => format!("{}: {}", status(run.exit_code), run.first_warning()),
+            };
+            format!("{:<width$}{numbers}  {said}", shortened(&run.name, LONGEST_NAME - 1))
+        }));
+        lines
     }
 
     fn files(&self) -> String {
@@ -205,6 +228,14 @@ impl IndexedRun<'_> {
         if self.reason.is_empty() { NO_WORD } else { &self.reason }
     }
 
+    /// Its first warning, or why it has no result.
+    fn first_warning(&self) -> String {
+        match self.summary.and_then(|summary| summary.concerns.first()) {
+            _ if !self.is_done() => self.reason().lines().next().unwrap_or_default().to_owned(),
+            concern => concern.map(Concern::with_code).unwrap_or_default(),
+        }
+    }
+
     /// Its name, HTML: a link to its report where there is one.
     pub(crate) fn linked(&self) -> String {
         match &self.report {
@@ -248,13 +279,26 @@ pub fn pulse_line(acceleration: &Sampled) -> String {
 /// Columns of numbers.
 const NUMBERS: [RunNumber; 9] = [SPEED, MASS, CRUSH, TIME_OF_CRUSH, DELTA_V, PEAK, OLC, RESTITUTION, STIFFNESS];
 
+/// Numbers that a line of a terminal has room for.
+const IN_TERMINAL: [RunNumber; 4] = [SPEED, CRUSH, DELTA_V, PEAK];
+
+/// Most characters of a name in a terminal.
+const LONGEST_NAME: usize = 28;
+
 /// Digits of a number: hundreds of rows are compared, none is taken from here.
 const DIGITS: usize = 3;
 
-/// Most characters of a warning and of the name of a vehicle: the report has all.
-const OF_WARNING: usize = 100;
-
+/// Most characters of the name of a vehicle: the report has all.
 const OF_VEHICLE: usize = 60;
+
+/// The class of a status, which has its colour.
+fn class_of(status: Status) -> &'static str {
+    match status {
+        Status::Usable => "good",
+        Status::UsableWithCare => "care",
+        Status::DoNotUse => "bad",
+    }
+}
 
 /// The table. End tags that HTML does not ask for are left out: there are hundreds of rows.
 fn table(runs: &[IndexedRun<'_>]) -> String {
@@ -266,7 +310,8 @@ fn table(runs: &[IndexedRun<'_>]) -> String {
         let _ = write!(out, "<th scope=col abbr=\"{}\">{}", quantity.name, quantity.head());
     }
     out.push_str(
-        "<th scope=col>Recommended<th scope=col>Numbers of it<th scope=col data-fixed>Pulse<th scope=col>First warning",
+        "<th scope=col>Status<th scope=col>Recommended<th scope=col>Numbers of it<th scope=col data-fixed>Pulse\
+         <th scope=col>First warning<th scope=col class=paper>Reason of the status",
     );
     if several {
         out.push_str("<th scope=col>Pipeline");
@@ -288,27 +333,21 @@ fn row(out: &mut String, run: &IndexedRun<'_>, several: bool) {
         let _ = write!(out, "<td>{}", value.map_or_else(String::new, |value| words::significant(value, DIGITS)));
     }
     let certainty = summary.and_then(|summary| summary.verdict.certainty()).unwrap_or_default();
+    let reason = summary.filter(|_| run.is_done()).map_or("", |summary| &summary.verdict.status_sentence);
     let _ = match summary.filter(|_| run.is_done()) {
         Some(summary) => {
             let model = summary.usable().map(|candidate| model_name(&candidate.model, &candidate.parameters));
-            let word = summary.verdict.status.map(|status| status.word().to_owned());
-            let model = if word.is_none() { model.map(|model| capitalised(&model)) } else { model };
-            let said: Vec<String> = word.into_iter().chain(model).collect();
-            let said = if said.is_empty() { "none".to_owned() } else { said.join(": ") };
-            let reason = shortened(&summary.verdict.status_sentence, OF_WARNING);
+            let model = model.map_or_else(|| "none".to_owned(), |model| capitalised(&model));
             let answers = summary.verdict.answers().map(|(label, text)| format!("{label}: {text}"));
-            let answers = Vec::from_iter(answers).join("; ");
-            write!(out, "<td title=\"{}\">{}<br><small>{}</small>", html(&answers), html(&said), html(&reason))
+            let title = Vec::from_iter(std::iter::once(reason.to_owned()).chain(answers)).join("; ");
+            let (class, word) = summary.verdict.status.map_or(("", ""), |status| (class_of(status), status.word()));
+            write!(out, "<td class=\"{class}\" title=\"{}\">{word}<td>{}", html(&title), html(&model))
         }
-        None if run.is_done() => write!(out, "<td>none"),
-        None => write!(out, "<td><b>{}</b>", status(run.exit_code)),
+        None if run.is_done() => write!(out, "<td><td>none"),
+        None => write!(out, "<td><b>{}</b><td>", status(run.exit_code)),
     };
-    let warning = match summary.and_then(|summary| summary.concerns.first()) {
-        Some(concern) if run.is_done() => &concern.with_code(),
-        _ if run.is_done() => "",
-        _ => run.reason(),
-    };
-    let _ = write!(out, "<td>{certainty}<td>{}<td>{}", run.pulse, html(&shortened(warning, OF_WARNING)));
+    let warning = &run.first_warning();
+    let _ = write!(out, "<td>{certainty}<td>{}<td>{}<td class=paper>{}", run.pulse, html(warning), html(reason));
     if several {
         let _ = write!(out, "<td>{}", html(&run.variant));
     }

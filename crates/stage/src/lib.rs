@@ -45,5 +45,8 @@ pub use error::{ExitStatus, MissingTopic, REASON_FILE, RefuseExt, Refused, Usage
 pub use kinds::{held, hold, kinds, refuse_not_to_be_allowed, refuse_unknown_code};
 pub use names::{ChainStage, chain, errors_in_words, nearest, sidecar_of, told_apart};
 pub use process::{Call, Outcome, Program, Stage, run_stage, run_tool};
-pub use terminal::{Progress, be_quiet, columns, labelled, printable, say, to_stdout, wrapped};
+pub use terminal::{
+    Mark, Progress, be_quiet, columns, labelled, painted, printable, say, say_as_it_is, stderr_has_colours,
+    stdout_has_colours, to_stdout, wrapped,
+};
 pub use typed::{IN_RUN, OF_ARTIFACT, Way, by_way, flag, option, program};

@@ -11,6 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
+use console::Style;
 use indicatif::{ProgressBar, ProgressStyle};
 
 // Text laid out for the width of the terminal.
@@ -139,6 +140,46 @@ impl Drop for Progress {
 /// Prints a line to stderr. A reader that has closed the pipe is nobody's problem: the result is in the file.
 pub fn say(line: impl Display) {
     let _ = writeln!(io::stderr().lock(), "{}", printable(&line.to_string()));
+}
+
+/// What part of a line is marked as, where a terminal has colours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mark {
+    /// May be used.
+    Good,
+    /// With care.
+    Care,
+    /// Not at all.
+    Bad,
+    /// What was asked for.
+    Answer,
+}
+
+/// Text in the colour of a mark.
+pub fn painted(text: &str, mark: Mark) -> String {
+    let style = Style::new().bold().force_styling(true);
+    let style = match mark {
+        Mark::Good => style.green(),
+        Mark::Care => style.yellow(),
+        Mark::Bad => style.red(),
+        Mark::Answer => style,
+    };
+    style.apply_to(text).to_string()
+}
+
+/// Whether stderr shows colours: a terminal, and neither `NO_COLOR` nor `CLICOLOR=0` is set.
+pub fn stderr_has_colours() -> bool {
+    console::colors_enabled_stderr()
+}
+
+/// The same of stdout.
+pub fn stdout_has_colours() -> bool {
+    console::colors_enabled()
+}
+
+/// Prints a line to stderr as it is: who paints parts of it has made it [`printable`].
+pub fn say_as_it_is(line: &str) {
+    let _ = writeln!(io::stderr().lock(), "{line}");
 }
 
 /// Prints a result to stdout. A reader that has seen enough closes the pipe; that is no error, a full disk is.

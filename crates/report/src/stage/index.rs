@@ -44,6 +44,7 @@ pub fn index(inputs: &[PathBuf], page: &Path, quiet: bool) -> anyhow::Result<Exi
     let index = RunIndex { title: "", tables: &[], runs: &runs, figures: Vec::new() };
     write(page, OutputKind::Report, &index.to_html())?;
     if !quiet {
+        index.lines().iter().for_each(say);
         say(index.counted());
         say(page.display());
     }

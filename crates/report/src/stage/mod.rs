@@ -18,10 +18,11 @@ use std::thread;
 
 use crate::{ComparedRun, Kind, Page, Ranking, Summary, all_figures, first_screen, summary, write_shared_files};
 use anyhow::Context;
+use console::Screen;
 use crumple_artifact::{OutputKind, replace_atomically, write_atomically};
 use crumple_stage::{
     ExitStatus, Pipeline, Program, Usage, artifacts_of_a_run, be_quiet, keep_budget, load_artifacts, pipeline_table,
-    printable, refuse_to_overwrite, results_of_an_earlier_run, run_tool, say, to_stdout,
+    refuse_to_overwrite, results_of_an_earlier_run, run_tool, say, to_stdout,
 };
 use pictures::{Fonts, write_figures};
 
@@ -234,7 +235,7 @@ fn run(mut cli: Cli) -> anyhow::Result<ExitStatus> {
     let ranking = Ranking::of_run(&run);
     let summary = summary(&run, &ranking);
     if cli.answer_again {
-        answer(&cli, &console::lines(&run, &ranking, &summary, output))?;
+        answer(&cli, &Screen::of(&run, &ranking, &summary, output))?;
         return Ok(status_of(&summary));
     }
     let json = summary.to_json()?;
@@ -256,7 +257,7 @@ fn run(mut cli: Cli) -> anyhow::Result<ExitStatus> {
         to_stdout(json.as_bytes())?;
     }
     if !cli.quiet {
-        answer(&cli, &console::lines(&run, &ranking, &summary, output))?;
+        answer(&cli, &Screen::of(&run, &ranking, &summary, output))?;
     }
     if let Some(path) = &cli.markdown {
         let own = output.with_file_name(Pipeline::OF_A_RUN);
@@ -276,11 +277,11 @@ fn status_of(summary: &Summary) -> ExitStatus {
 }
 
 /// Prints the lines of the summary.
-fn answer(cli: &Cli, lines: &[String]) -> anyhow::Result<()> {
+fn answer(cli: &Cli, screen: &Screen) -> anyhow::Result<()> {
     if cli.answer || cli.answer_again {
-        return to_stdout((printable(&lines.join("\n")).into_owned() + "\n").as_bytes());
+        return screen.to_stdout();
     }
-    lines.iter().for_each(say);
+    screen.say();
     Ok(())
 }
 

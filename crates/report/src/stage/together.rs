@@ -8,7 +8,7 @@ use crumple_artifact::records::{DiagnosisV1, PredictionV1, RemarkV1};
 use crumple_stage::{ExitStatus, Refused, by_way, keep_budget, load_artifacts, refuse_to_overwrite, say};
 
 use super::compare::write;
-use super::console;
+use super::console::Screen;
 use super::gather::gather;
 
 /// Joint candidates.
@@ -23,7 +23,7 @@ pub struct JointAnswer {
     /// What the stages and the report remark, strongest first.
     pub remarks: Vec<RemarkV1>,
     /// As the terminal shows it.
-    pub lines: Vec<String>,
+    pub screen: Screen,
 }
 
 impl JointAnswer {
@@ -32,8 +32,8 @@ impl JointAnswer {
         let run = joint_run(folder)?;
         let ranking = Ranking::of_run(&run);
         let summary = summary(&run, &ranking);
-        let lines = console::lines(&run, &ranking, &summary, &folder.join("report.html"));
-        Ok(Self { verdict: summary.verdict, remarks: summary.remarks, lines })
+        let screen = Screen::of(&run, &ranking, &summary, &folder.join("report.html"));
+        Ok(Self { verdict: summary.verdict, remarks: summary.remarks, screen })
     }
 }
 

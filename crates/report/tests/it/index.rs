@@ -57,11 +57,20 @@ fn a_row_has_the_numbers_the_model_how_sure_it_is_and_the_first_warning() {
     for cell in ["<td>50.0<td>1500<td>684<td>76.1<td>93.0<td>", "<td>0.861<td>", "<td>4 of 4 determined<td>"] {
         assert!(row.contains(cell), "{cell}: {row}");
     }
-    // The status stands where the model is named, and names it where it may be used.
-    assert!(row.contains("<td title=\"record: wrong; good for: measured quantities\">do not use<br>"), "{row}");
-    assert!(row.contains("<br><small>do not use: ") && row.contains("<svg class=s "), "{row}");
-    assert!(page.contains(">usable: "), "{page}");
-    assert!(row.contains("<td>check the impact speed (50.0 km/h)"), "{row}");
+    // The status is a word; its reason and both answers are in its tooltip, and on paper in a column of their own.
+    let answers = "record: wrong: the impact speed; good for: measured quantities";
+    let status =
+        format!("<td class=\"bad\" title=\"do not use: the impact speed is in doubt, see warning 1.; {answers}\">");
+    assert!(row.contains(&(status + "do not use<td>none")) && row.contains("<svg class=s "), "{row}");
+    assert!(row.contains("<td class=paper>do not use: the impact speed is in doubt, see warning 1."), "{row}");
+    assert!(page.contains(">usable<td>Elastoplastic spring"), "{page}");
+    // The first warning stands whole, and a terminal has a line for each run.
+    assert!(row.contains("<td>check the impact speed (50.0 km/h)") && row.contains("[CR323]"), "{row}");
+    let lines = said(&output);
+    assert!(
+        lines.lines().any(|line| line.starts_with("c ") && line.contains(" 696 ") && line.contains("  usable: ")),
+        "{lines}"
+    );
     // In the order of the names, whatever the order of the command line.
     let before = page.find("a%20b/default").unwrap();
     assert!(before < page.find("runs/c/default").unwrap());

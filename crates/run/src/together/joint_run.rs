@@ -47,7 +47,7 @@ pub fn together(mut options: TogetherOptions) -> anyhow::Result<ExitStatus> {
     let status = joint.model(&runs, folder.path(), vec!["--no-summary".into()])?;
     if status == ExitStatus::NoAcceptableResult {
         joint.page()?;
-        JointAnswer::of_folder(folder.path())?.lines.iter().for_each(say);
+        JointAnswer::of_folder(folder.path())?.screen.say();
     }
     if status != ExitStatus::Done {
         return Ok(status);

@@ -91,7 +91,7 @@ pub(crate) fn write_summary(folder: &Path, pipeline: &str, held_out: &[HeldOutTe
         say(format_args!("{:<16} {}", "together", line(&left_out)));
         leave_one_out.push(left_out);
     }
-    let JointAnswer { verdict, remarks, lines } = JointAnswer::of_folder(folder)?;
+    let JointAnswer { verdict, remarks, screen } = JointAnswer::of_folder(folder)?;
     let summary = JointSummary {
         schema: OF_SEVERAL_TESTS.to_owned(),
         pipeline: pipeline.to_owned(),
@@ -113,7 +113,7 @@ pub(crate) fn write_summary(folder: &Path, pipeline: &str, held_out: &[HeldOutTe
     let text = serde_json::to_string_pretty(&summary)? + "\n";
     write_atomically(&path, OutputKind::Summary, |file| file.write_all(text.as_bytes()))
         .with_context(|| format!("cannot write {}", path.display()))?;
-    lines.iter().for_each(say);
+    screen.say();
     say(format_args!("{:<16} {}", "results", folder.display()));
     Ok(())
 }
