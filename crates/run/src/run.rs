@@ -101,6 +101,8 @@ fn run_stages(options: &Options) -> anyhow::Result<ExitStatus> {
         let output = run.folder.path().join(stage.output());
         let is_kept = before.as_ref().is_some_and(|before| is_at(before, &output));
         match ending? {
+            // The stage that is asked again has the answer; the report only shows it.
+            StageExit::WithResult(_) if options.again.is_some() && status == ExitStatus::NoAcceptableResult => {}
             StageExit::WithResult(so_far) => status = so_far,
             StageExit::Failed(failure) => {
                 if !stage.program.is_own {

@@ -96,6 +96,8 @@ impl Stage for Predict {
         let places: Vec<usize> = named.iter().map(|named| named.place).collect();
         let predictions = predict(&candidates, &places, &tested, settings.inputs(), &scenarios, &setup);
         let marks = !settings.asked_speeds_m_per_s.is_empty();
+        let is_chosen = settings.candidates.is_empty() && choice.is_some();
+        let first = named.first().map(|named| named.place).filter(|_| is_chosen);
         out.summary(header(marks));
         let mut rows = Vec::new();
         for (place, (scenario, of_named)) in scenarios.iter().zip(predictions).enumerate() {
@@ -116,9 +118,12 @@ impl Stage for Predict {
                 record.against = other.map(|other| other.beside(&prediction));
                 let n = rows.len() + 1;
                 out.put(&format!("/prediction/{n}"), &record)?;
-                let asked = marks.then(|| settings.asks_for(scenario.speed_m_per_s));
-                out.summary(line(&record, asked));
-                partner_and_occupant(&record).into_iter().for_each(|line| out.summary(line));
+                // Who named no candidate reads the one that is meant for it; all are in the artifact.
+                if first.is_none_or(|first| first == name.place) {
+                    let asked = marks.then(|| settings.asks_for(scenario.speed_m_per_s));
+                    out.summary(line(&record, asked));
+                    partner_and_occupant(&record).into_iter().for_each(|line| out.summary(line));
+                }
                 record.against.iter().for_each(|against| out.summary(beside_in_words(against)));
                 write_waves(n, prediction.wave, out)?;
                 rows.push(Row { speed_m_per_s: scenario.speed_m_per_s, record });
