@@ -50,6 +50,7 @@ impl Stage for Ingest {
         formats::lvm::REMARKS,
         formats::mcap::REMARKS,
         formats::messages::REMARKS,
+        formats::simulation::remarks::REMARKS,
         formats::table::remarks::REMARKS,
         formats::tdm::REMARKS,
         formats::waveform::channel::REMARKS,

@@ -13,6 +13,7 @@ use crumple_artifact::{Artifact, JsonForm};
 use crate::fuzz::plausible::run_chain;
 use crate::fuzz::tampering::{Dice, mutate, tamper};
 use crate::places::{shared, workspace};
+use crate::records::simulated;
 
 /// What a campaign does.
 #[derive(Debug, Clone)]
@@ -36,7 +37,7 @@ struct Corpus {
 }
 
 impl Corpus {
-    fn new() -> Self {
+    fn new(folder: &Path) -> Result<Self, String> {
         let fixtures = workspace().join("fixtures");
         let mut records: Vec<PathBuf> =
             ["kelvin", "double"].iter().map(|name| fixtures.join(name).join("crash.csv")).collect();
@@ -54,8 +55,28 @@ impl Corpus {
             files
         }));
         records.retain(|path| path.is_file());
-        Self { records, run }
+        records.extend(made(folder)?);
+        Ok(Self { records, run })
     }
+}
+
+/// Files of a simulation of known motion, written into a folder.
+fn made(folder: &Path) -> Result<Vec<PathBuf>, String> {
+    let folder = folder.join("made");
+    let error = |error: std::io::Error| format!("{}: {error}", folder.display());
+    fs::create_dir_all(&folder).map_err(error)?;
+    let files: [(&str, Vec<u8>); 5] = [
+        ("little.binout", simulated::binout(true)),
+        ("big.binout", simulated::binout(false)),
+        ("nodout", simulated::nodout().into_bytes()),
+        ("rwforc", simulated::rwforc().into_bytes()),
+        ("MADET01", simulated::t01()),
+    ];
+    let write = |(name, bytes): (&str, Vec<u8>)| {
+        let path = folder.join(name);
+        fs::write(&path, bytes).map(|()| path).map_err(error)
+    };
+    files.into_iter().map(write).collect()
 }
 
 /// Files of each sort for every record that goes through the whole chain.
@@ -69,8 +90,8 @@ const FILES_OF_A_CHAIN: u64 = 10;
 /// # Errors
 /// Of the disk, in words.
 pub fn run_campaign(campaign: &Campaign, tell: &mut dyn FnMut(String)) -> Result<[Tally; 3], String> {
-    let corpus = Corpus::new();
     fs::create_dir_all(&campaign.folder).map_err(|error| format!("{}: {error}", campaign.folder.display()))?;
+    let corpus = Corpus::new(&campaign.folder)?;
     let [mut of_files, mut of_artifacts, mut of_chains] = [Tally::default(), Tally::default(), Tally::default()];
     for number in campaign.first..campaign.first + campaign.files {
         for (sort, tally) in [&mut of_files, &mut of_artifacts].into_iter().enumerate() {
@@ -163,7 +184,13 @@ fn mutated(corpus: &Corpus, dice: &mut Dice) -> Result<Trial, String> {
     let (path, program, arguments) = match dice.below(8) {
         0..=3 => {
             let path = dice.one_of(&corpus.records).clone();
-            let flags = *dice.one_of(&["", " --list", " --mass 900kg --impact-speed 50km/h", " --field a.b --unit g"]);
+            let flags = *dice.one_of(&[
+                "",
+                " --list",
+                " --units mm-ms-kg --node 7",
+                " --mass 900kg --impact-speed 50km/h",
+                " --field a.b --unit g",
+            ]);
             (path, "crumple-ingest", format!("FILE -o OUT{flags}"))
         }
         4 => {
