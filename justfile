@@ -273,7 +273,7 @@ identification-benchmark *args: build
 prediction-benchmark *args: build
     @cargo run --quiet --release --package crumple-testkit -- prediction-benchmark --bin "$bin" "$@"
 
-# Every sentence and number of first screens against known truth, 4 made cars a family and kind: `just truth [--cars N] [--short] [NAME ...]`.
+# Values, remarks and shown numbers of runs against known truth, 4 made cars a family and kind: `just truth [--cars N] [--short] [NAME ...]`.
 [group('development')]
 truth *args: build
     @cargo run --quiet --release --package crumple-testkit -- truth --bin "$bin" "$@"
@@ -410,7 +410,7 @@ fuzz-readers seconds="60":
 [group('development')]
 shell-files: build
     @mkdir -p target/shell
-    @for program in ingest filter integrate identify parameter-solve simulate predict report diff accept artifact show notes curve check run together fleet study export view passport damage compare index; do \
+    @for program in demo ingest filter integrate identify parameter-solve simulate predict report diff accept artifact show notes curve check run together fleet study export view passport damage compare index explain new-stage; do \
         for kind in bash zsh fish man; do \
             "$bin/crumple" $program --generate $kind > target/shell/crumple-$program.$kind; \
         done; \

@@ -10,7 +10,7 @@ use crate::record::observation::{Impact, Observation, ObservedWave};
 use crate::selection::choice::{CandidateSelection, choose};
 use crate::selection::compared::{ComparedCandidate, EnergyClass, OwnTestErrors, SelectionRules};
 use crate::selection::evidence::{Evidence, SLOW_HZ};
-use crate::selection::other_speeds::affects_predictions;
+use crate::selection::other_speeds::affecting_predictions;
 use crate::selection::rating::ComparedRecord;
 
 /// Share of the largest force at a knot, spring or damper of a model below which another is none.
@@ -213,8 +213,8 @@ impl Comparison {
         // A rate factor is free in a fit to several tests alone: however little they say of it, it is more than the
         // prior of one test, and its deviation is in the intervals of predictions.
         let is_rate = |name: &str| kind(name) == Some(ParameterKind::RateFactor);
-        let matter = unidentified.iter().filter(|name| !is_rate(name) && affects_predictions(candidate, name, &speeds));
-        let mut affects_other_speeds: Vec<String> = matter.cloned().collect();
+        let unknown = unidentified.iter().map(String::as_str).filter(|name| !is_rate(name));
+        let mut affects_other_speeds = affecting_predictions(candidate, unknown, &speeds);
         if candidate.division_undecided {
             unidentified.push("the division of the mass".to_owned());
             affects_other_speeds.extend(unidentified.last().cloned());

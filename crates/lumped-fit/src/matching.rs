@@ -429,7 +429,7 @@ remarks! {
         id: String, real: usize, physical: usize, mass_ratio: f64, largest_mass_ratio: Option<f64>
     }
     bears on (About::Model(String::new()), Weight::None)
-    decided "For given masses the characteristic polynomial of the double model has six solutions. Physical are those \
+    decided "For given masses the characteristic polynomial of the double model has 6 solutions. Physical are those \
              whose springs are positive and whose dampers are not negative (docs/methods/parameter-solve.md)."
     means "Each real solution is a candidate. All of them have the poles of the identified model: the poles do not \
            tell which one is the vehicle."
@@ -445,9 +445,9 @@ remarks! {
         id: String, real: usize, mass_ratio: f64, largest_mass_ratio: Option<f64>, real_roots: usize
     }
     bears on (About::Model(String::new()), Weight::Slight)
-    decided "Physical are springs that are positive and dampers that are not negative. With the polynomial s^4 + t s^3 \
-             + u s^2 + v s + w every real solution is physical up to m2/m1 = (t u v - v^2 - t^2 w)/v^2, and none above \
-             it (docs/methods/parameter-solve.md)."
+    decided "Of 6 solutions those are physical whose springs are positive and whose dampers are not negative. With the \
+             polynomial s^4 + t s^3 + u s^2 + v s + w every real solution is physical up to m2/m1 = \
+             (t u v - v^2 - t^2 w)/v^2, and none above it (docs/methods/parameter-solve.md)."
     means "No vehicle with these masses has these poles. Real solutions, where there are any, have a negative spring \
            or damper."
     remedy "put more mass in front (front_mass_fraction) until m2/m1 is below the bound; without a bound identify \

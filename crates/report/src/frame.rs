@@ -4,8 +4,6 @@ use serde::Serialize;
 
 use crate::drawing::escape::{address, html, json_in_script};
 use crate::drawing::{page_rules, palette};
-use crate::phrases::PHRASES;
-use crate::phrases::words::fill;
 
 // What is around every page: head, style, script, and what the browser may load.
 
@@ -40,8 +38,12 @@ pub(crate) fn framed_with(files: &PageFiles, title: &str, more: &str, body: &str
                 address(&format!("{folder}/{}", own.name)),
                 compact(more)
             );
-            let missing = fill(PHRASES.fleet.without_files, &[("folder", html(folder))]);
-            let body = format!("<p class=\"beside\">{missing}</p>\n{body}");
+            let body = format!(
+                "<p class=\"beside\">The style and the scripts of this page lie in {}, with those of all runs of the \
+                 fleet, and were not found there. A page that needs no other file: crumple-report *.mcap -o \
+                 report.html in the folder of the run.</p>\n{body}",
+                html(folder)
+            );
             head_and_body(title, (POLICY_BESIDE, &style), &body, &files.script(script))
         }
     }
@@ -64,11 +66,6 @@ fn head_and_body(title: &str, head: (&str, &str), body: &str, script: &str) -> S
     page.push_str(script);
     page.push_str("</body>\n</html>\n");
     page
-}
-
-/// The texts of the script of figures, as it reads them.
-pub(crate) fn words_of_figures() -> String {
-    json_element("figure-words", &PHRASES.cursor)
 }
 
 /// Data for a script of the page.

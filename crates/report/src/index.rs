@@ -7,12 +7,11 @@ use crumple_signal::Sampled;
 
 use crate::drawing::escape::{address, html};
 use crate::drawing::{Drawing, Entry, Figure, sparkline, swatch};
-use crate::findings::model_name;
 use crate::findings::{ResultStatus, Summary};
+use crate::findings::{capitalised, model_name};
 use crate::frame::framed;
-use crate::phrases::words::fill;
-use crate::phrases::{PHRASES, words};
 use crate::run_numbers::{CRUSH, DELTA_V, MASS, OLC, PEAK, RESTITUTION, RunNumber, SPEED, STIFFNESS, TIME_OF_CRUSH};
+use crate::words;
 
 // The page as a whole.
 
@@ -47,11 +46,10 @@ pub struct FiguresOfRuns {
 impl RunIndex<'_> {
     /// The page. The same runs give the same bytes.
     pub fn to_html(&self) -> String {
-        let texts = &PHRASES.runs;
-        let title = if self.title.is_empty() { texts.index_title } else { self.title };
+        let title = if self.title.is_empty() { "Index of runs" } else { self.title };
         let mut body = format!(
-            "<header>\n<p class=\"brand\">{}</p>\n<h1>{}</h1>\n<p>{}.{}</p>\n</header>\n<main>\n{}",
-            texts.index_brand,
+            "<header>\n<p class=\"brand\">Crumple · index of runs</p>\n<h1>{}</h1>\n<p>{}.{}</p>\n</header>\n\
+             <main>\n{}",
             html(title),
             self.counted(),
             self.files(),
@@ -59,11 +57,11 @@ impl RunIndex<'_> {
         );
         self.figures.iter().for_each(|figures| write_figures(&mut body, figures));
         body.push_str(&format!(
-            "<section id=\"runs\">\n<h2>{}</h2>\n<p class=\"caption\">{}<span class=\"script\">{}</span></p>\n{}\
-             </section>\n</main>\n",
-            texts.runs,
-            texts.index_caption,
-            texts.sorts,
+            "<section id=\"runs\">\n<h2>Runs</h2>\n<p class=\"caption\">A name leads to the report of the run. C and \
+             tₘ: dynamic crush and its time; e: restitution; k: stiffness of the Kelvin model. Pulses: the filtered \
+             acceleration over the first 150 ms, upwards as the vehicle slows down, each to its own peak. Three digits \
+             are shown; the reports have all, with intervals.<span class=\"script\"> A head of a column \
+             sorts.</span></p>\n{}</section>\n</main>\n",
             table(self.runs)
         ));
         framed(title, STYLE, &body, SORT)
@@ -74,16 +72,9 @@ impl RunIndex<'_> {
         let count = |is: &dyn Fn(&IndexedRun<'_>) -> bool| self.runs.iter().filter(|run| is(run)).count();
         let failed = count(&|run| !run.is_done());
         let recommended = count(&|run| run.is_done() && run.summary.is_some_and(|s| s.usable().is_some()));
-        let texts = &PHRASES.runs;
-        let runs = match self.runs.len() {
-            1 => texts.one_run.to_owned(),
-            n => fill(texts.several_runs, &[("count", n.to_string())]),
-        };
-        let mut words = fill(texts.with_model, &[("runs", runs), ("count", recommended.to_string())]);
-        if failed > 0 {
-            words.push_str(&fill(texts.without_result, &[("count", failed.to_string())]));
-        }
-        words
+        let runs = if self.runs.len() == 1 { "run" } else { "runs" };
+        let without = if failed > 0 { format!(", {failed} without a result") } else { String::new() };
+        format!("{} {runs}, {recommended} with a recommended model{without}", self.runs.len())
     }
 
     fn files(&self) -> String {
@@ -92,7 +83,7 @@ impl RunIndex<'_> {
         if links.is_empty() {
             return String::new();
         }
-        fill(PHRASES.runs.tables, &[("links", links.join(", "))])
+        format!(" All numbers as tables: {}.", links.join(", "))
     }
 }
 
@@ -135,13 +126,15 @@ fn legend(figure: &Figure) -> String {
 /// Most runs that are named.
 const NAMED: usize = 20;
 
+/// Stands for the reason where there is none.
+const NO_WORD: &str = "no word of why";
+
 /// Most characters of a reason.
 const SHOWN: usize = 200;
 
 /// A section of exit codes, the most frequent first, each with its runs and their reasons; empty where every run is
 /// done.
 fn failures(runs: &[IndexedRun<'_>]) -> String {
-    let texts = &PHRASES.runs;
     let mut groups: BTreeMap<i32, Vec<&IndexedRun<'_>>> = BTreeMap::new();
     for run in runs.iter().filter(|run| !run.is_done()) {
         groups.entry(run.exit_code).or_default().push(run);
@@ -151,16 +144,15 @@ fn failures(runs: &[IndexedRun<'_>]) -> String {
     }
     let mut groups: Vec<_> = groups.into_iter().collect();
     groups.sort_by_key(|(_, runs)| std::cmp::Reverse(runs.len()));
-    let mut out = format!("<section id=\"failures\">\n<h2>{}</h2>\n", texts.failures);
+    let mut out = "<section id=\"failures\">\n<h2>Without a result</h2>\n".to_owned();
     for (code, runs) in groups {
         out.push_str(&format!("<details><summary>{} × {}</summary><ul>\n", runs.len(), status(code)));
         for run in runs.iter().take(NAMED) {
-            let reason = html(&shortened(line_of(&run.error, texts.no_word), SHOWN));
+            let reason = html(&shortened(line_of(&run.error), SHOWN));
             out.push_str(&format!("<li>{}: {reason}</li>\n", run.linked()));
         }
         if runs.len() > NAMED {
-            let more = fill(texts.and_more, &[("count", (runs.len() - NAMED).to_string())]);
-            out.push_str(&format!("<li>{more}</li>\n"));
+            out.push_str(&format!("<li>and {} more</li>\n", runs.len() - NAMED));
         }
         out.push_str("</ul></details>\n");
     }
@@ -169,9 +161,9 @@ fn failures(runs: &[IndexedRun<'_>]) -> String {
 }
 
 /// The line of an error that says why.
-fn line_of<'a>(error: &'a str, no_word: &'a str) -> &'a str {
+fn line_of(error: &str) -> &str {
     let says_why = |line: &&str| line.contains("caused by:") || line.contains("no acceptable result:");
-    let line = error.lines().find(says_why).or_else(|| error.lines().next()).unwrap_or(no_word);
+    let line = error.lines().find(says_why).or_else(|| error.lines().next()).unwrap_or(NO_WORD);
     line.split_once("caused by:").or_else(|| line.split_once("error: ")).map_or(line, |(_, cause)| cause).trim()
 }
 
@@ -211,7 +203,7 @@ impl IndexedRun<'_> {
         let verdict = &summary.verdict;
         match (verdict.standing, &verdict.reason) {
             (ResultStatus::NoResult, Some(reason)) => (4, reason.clone()),
-            (ResultStatus::NoResult, None) => (4, PHRASES.runs.no_word.to_owned()),
+            (ResultStatus::NoResult, None) => (4, NO_WORD.to_owned()),
             _ => (0, String::new()),
         }
     }
@@ -232,13 +224,12 @@ impl IndexedRun<'_> {
 
 /// An exit code in words.
 pub fn status(exit_code: i32) -> &'static str {
-    let texts = &PHRASES.runs;
     match exit_code {
-        0 => texts.done,
-        2 => texts.usage,
-        3 => texts.refused,
-        4 => texts.not_acceptable,
-        _ => texts.failed,
+        0 => "done",
+        2 => "usage",
+        3 => "refused",
+        4 => "no acceptable result",
+        _ => "failed",
     }
 }
 
@@ -270,23 +261,18 @@ const OF_VEHICLE: usize = 60;
 
 /// The table. End tags that HTML does not ask for are left out: there are hundreds of rows.
 fn table(runs: &[IndexedRun<'_>]) -> String {
-    let texts = &PHRASES.runs;
     let several = runs.iter().any(|run| !run.variant.is_empty());
-    let mut out = format!(
-        "<div class=\"scroll\" role=\"region\" aria-label=\"{}\" tabindex=\"0\">\n\
-         <table class=\"index\">\n<thead><tr><th scope=col>{}<th scope=col>{}",
-        texts.runs, texts.run, texts.vehicle_or_test
-    );
+    let mut out = "<div class=\"scroll\" role=\"region\" aria-label=\"Runs\" tabindex=\"0\">\n\
+                   <table class=\"index\">\n<thead><tr><th scope=col>Run<th scope=col>Vehicle or test"
+        .to_owned();
     for quantity in NUMBERS {
         let _ = write!(out, "<th scope=col abbr=\"{}\">{}", quantity.name, quantity.head());
     }
-    let _ = write!(
-        out,
-        "<th scope=col>{}<th scope=col>{}<th scope=col data-fixed>{}<th scope=col>{}",
-        texts.recommended, texts.numbers_of_it, texts.pulse, texts.first_warning
+    out.push_str(
+        "<th scope=col>Recommended<th scope=col>Numbers of it<th scope=col data-fixed>Pulse<th scope=col>First warning",
     );
     if several {
-        let _ = write!(out, "<th scope=col>{}", texts.pipeline_head);
+        out.push_str("<th scope=col>Pipeline");
     }
     out.push_str("</thead>\n<tbody>\n");
     runs.iter().for_each(|run| row(&mut out, run, several));
@@ -295,7 +281,6 @@ fn table(runs: &[IndexedRun<'_>]) -> String {
 }
 
 fn row(out: &mut String, run: &IndexedRun<'_>, several: bool) {
-    let texts = &PHRASES.runs;
     let summary = run.summary;
     let test = summary.map(|summary| &summary.test);
     let vehicle = test.map(|test| test.vehicle.as_ref().filter(|name| !name.trim().is_empty()).unwrap_or(&test.title));
@@ -308,22 +293,23 @@ fn row(out: &mut String, run: &IndexedRun<'_>, several: bool) {
     let certainty = summary.and_then(|summary| summary.verdict.certainty()).unwrap_or_default();
     let _ = match summary.filter(|_| run.is_done()) {
         Some(summary) => {
-            let model = summary.usable().map(|candidate| model_name(&candidate.model));
+            let model = summary.usable().map(|candidate| model_name(&candidate.model, &candidate.parameters));
             let word = summary.verdict.status.map(|status| status.word().to_owned());
+            let model = if word.is_none() { model.map(|model| capitalised(&model)) } else { model };
             let said: Vec<String> = word.into_iter().chain(model).collect();
-            let said = if said.is_empty() { texts.none.to_owned() } else { said.join(": ") };
+            let said = if said.is_empty() { "none".to_owned() } else { said.join(": ") };
             let reason = shortened(&summary.verdict.status_sentence, OF_WARNING);
             let answers = summary.verdict.answers().map(|(label, text)| format!("{label}: {text}"));
             let answers = Vec::from_iter(answers).join("; ");
             write!(out, "<td title=\"{}\">{}<br><small>{}</small>", html(&answers), html(&said), html(&reason))
         }
-        None if run.is_done() => write!(out, "<td>{}", texts.none),
+        None if run.is_done() => write!(out, "<td>none"),
         None => write!(out, "<td><b>{}</b>", status(run.exit_code)),
     };
     let warning = match summary.and_then(|summary| summary.concerns.first()) {
         Some(concern) if run.is_done() => &concern.with_code(),
         _ if run.is_done() => "",
-        _ => line_of(&run.error, texts.no_word),
+        _ => line_of(&run.error),
     };
     let _ = write!(out, "<td>{certainty}<td>{}<td>{}", run.pulse, html(&shortened(warning, OF_WARNING)));
     if several {

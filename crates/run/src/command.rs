@@ -5,8 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf, is_separator};
 
 use anyhow::Context;
-use clap::CommandFactory;
-use crumple_stage::{Call, ChainStage, Usage, by_way, chain};
+use clap::{Arg, ArgMatches, CommandFactory, FromArgMatches};
+use crumple_stage::{Call, ChainStage, Usage, by_way, chain, is_shared_flag};
 
 use crate::fail_on::FailOn;
 use crate::names::{PIPELINE_OF_A_RUN, folder_of_record};
@@ -66,6 +66,10 @@ pub struct Options {
     #[arg(long, value_name = "CODE|WORD,...", value_delimiter = ',')]
     pub(crate) fail_on: Vec<FailOn>,
 
+    /// Open the report when the run is over.
+    #[arg(long)]
+    pub(crate) open: bool,
+
     #[command(flatten)]
     pub(crate) programs: NamedPrograms,
 
@@ -75,6 +79,38 @@ pub struct Options {
     /// The record, and flags of the stage that reads it: `crash.csv --mass 873kg --impact-speed 35km/h`.
     #[arg(required_unless_present = "again", value_name = "RECORD")]
     pub(crate) record: Vec<OsString>,
+}
+
+/// The same command line with the flags that a run hands to the stage that reads the record: for help, man page and
+/// completion. [`sorted`] puts them behind `--`, so that none of them is read as one of the run.
+#[derive(Debug)]
+pub(crate) struct WithFlagsOfRecord(pub(crate) Options);
+
+impl CommandFactory for WithFlagsOfRecord {
+    fn command() -> clap::Command {
+        let own = Options::command();
+        let ingest = (crumple_ingest::PROGRAM.command)();
+        let is_own = |arg: &Arg| own.get_arguments().any(|known| known.get_id() == arg.get_id());
+        let is_handed_on = |long: &str| !is_shared_flag(&format!("--{long}"));
+        let handed_on = ingest.get_arguments().filter(|arg| arg.get_long().is_some_and(is_handed_on) && !is_own(arg));
+        let handed_on = handed_on.cloned().map(|arg| arg.help_heading("Flags of the record (handed to ingest)"));
+        let handed_on: Vec<Arg> = handed_on.collect();
+        own.args(handed_on)
+    }
+
+    fn command_for_update() -> clap::Command {
+        Self::command()
+    }
+}
+
+impl FromArgMatches for WithFlagsOfRecord {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        Options::from_arg_matches(matches).map(Self)
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        self.0.update_from_arg_matches(matches)
+    }
 }
 
 /// Flags that every stage has and that stand without `--flags` too.
@@ -114,7 +150,7 @@ pub(crate) fn sorted<C: CommandFactory>(call: &Call, stage: Option<&clap::Comman
         ("--memory-limit", true),
     ];
     let takes_value = |command: &clap::Command, flag: &str| {
-        let is_meant = |arg: &&clap::Arg| match flag.strip_prefix("--") {
+        let is_meant = |arg: &&Arg| match flag.strip_prefix("--") {
             Some(long) => arg.get_long() == Some(long),
             None => arg.get_short().is_some_and(|short| flag.strip_prefix('-') == Some(short.encode_utf8(&mut [0; 4]))),
         };
@@ -158,8 +194,8 @@ pub(crate) fn named<C: CommandFactory>(call: &Call, stage: Option<&clap::Command
 pub(crate) const OWN_BEHIND_RECORD: [(&str, &str); 2] = [("--set", "STAGE.OPTION=VALUE"), ("--stage", "STAGE=COMMAND")];
 
 impl Options {
-    /// Takes the options set, and the programs named, behind `--` from among the flags of the first stage, and hands
-    /// its own flags on.
+    /// Takes the options set, the programs named and `--open` behind `--` from among the flags of the first stage, and
+    /// hands its own flags on.
     pub(crate) fn take_own(&mut self) -> Result<(), Usage> {
         self.of_all.add_to(&mut self.flags);
         let own = OWN_BEHIND_RECORD.into_iter().zip([&mut self.set, &mut self.programs.stage]);
@@ -173,6 +209,7 @@ impl Options {
                     let typed = value.map(str::to_owned).or_else(|| words.next()?.into_string().ok());
                     taken.push(typed.ok_or_else(|| Usage::new(format!("{name} needs {form} behind it")))?);
                 }
+                None if text == "--open" => self.open = true,
                 None => self.record.push(word),
             }
         }

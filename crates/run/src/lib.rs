@@ -27,6 +27,7 @@ mod export {
     pub mod waves;
     pub mod workbook;
 }
+mod demo;
 pub mod fleet;
 mod folder {
     //! The run folder: its lock, who holds it, whose files are in it, what an earlier run left behind.
@@ -37,6 +38,7 @@ mod folder {
 mod fail_on;
 mod messages;
 mod names;
+mod open_page;
 mod passport {
     //! The passport of a run: a Workflow Run RO-Crate with digests of what it was made from and made, and its check.
 
@@ -67,13 +69,17 @@ use std::path::Path;
 
 use crumple_stage::{Call, ExitStatus, Program, run_tool};
 
-use command::{Options, named, sorted};
+use command::{Options, WithFlagsOfRecord, named, sorted};
 use together::joint_run::TogetherOptions;
 
 /// `crumple-run`: one record.
-pub const RUN: Program = Program::of_tool::<Options>("run", |call| {
-    run_tool(&sorted::<Options>(call, Some(&(crumple_ingest::PROGRAM.command)())), run::run)
+pub const RUN: Program = Program::of_tool::<WithFlagsOfRecord>("run", |call| {
+    let call = sorted::<Options>(call, Some(&(crumple_ingest::PROGRAM.command)()));
+    run_tool(&call, |WithFlagsOfRecord(options)| run::run(options))
 });
+/// `crumple demo`: a sample record, and its run.
+pub const DEMO: Program =
+    Program::of_tool::<demo::DemoOptions>("demo", |call| run_tool(call, |options| demo::demo(&options)));
 /// `crumple-together`: one model for several tests.
 pub const TOGETHER: Program = Program::of_tool::<TogetherOptions>("together", |call| {
     run_tool(&sorted::<TogetherOptions>(call, None), together::joint_run::together)

@@ -109,7 +109,8 @@ pub(crate) fn digest_of(path: &Path) -> Option<String> {
 }
 
 /// Programs of the project that are no stages.
-const NO_STAGES: [&str; 9] = ["run", "together", "fleet", "study", "export", "view", "passport", "damage", "artifact"];
+const NO_STAGES: [&str; 10] =
+    ["run", "demo", "together", "fleet", "study", "export", "view", "passport", "damage", "artifact"];
 
 /// Whose program of the project a command names.
 enum Named {

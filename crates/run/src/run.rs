@@ -19,13 +19,16 @@ use crate::messages::{
     say_what_changed, say_what_failed, say_what_is_replaced, say_which_stage_failed, suggest_stage_of_flag,
 };
 use crate::names::{PIPELINE_OF_A_RUN, place_of_record};
+use crate::open_page::open_page;
 use crate::program::{is_one_program, own_command, own_program};
 use crate::steps::{StageExit, arguments, contradicts, install_outputs, run_program, say_who_wrote, start};
 use crate::together::joint_run::{INTEGRATED, SOLVED};
 use crate::words::Words;
 
-/// Runs all stages. Exit code 4 of a stage (no acceptable result, diagnosis written) does not stop the run: the report
-/// shows the diagnosis, and the last stage decides. Any other failure does.
+/// The page of a run, in its folder.
+const PAGE: &str = "report.html";
+
+/// Runs all stages, or what the options ask for in place of a run, and opens the report where they ask for that.
 pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
     if let Some(limit) = memory_limit_flag() {
         options.flags.0.push(limit);
@@ -35,17 +38,31 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
     if options.asks_for_information() {
         return information(&options);
     }
-    if let Some(made) = options.again.as_ref().filter(|made| is_joint(made)) {
-        return predict_joint(made, &options);
+    let status = match options.again.as_ref().filter(|made| is_joint(made)) {
+        Some(made) => predict_joint(made, &options)?,
+        None => run_stages(&options)?,
+    };
+    if options.open && [ExitStatus::Done, ExitStatus::NoAcceptableResult].contains(&status) {
+        let folder = match &options.again {
+            Some(made) => made.clone(),
+            None => pipeline_and_folder(&options)?.1,
+        };
+        open_page(&folder.join(PAGE));
     }
-    let (pipeline, path) = pipeline_and_folder(&options)?;
+    Ok(status)
+}
+
+/// Runs all stages. Exit code 4 of a stage (no acceptable result, diagnosis written) does not stop the run: the report
+/// shows the diagnosis, and the last stage decides. Any other failure does.
+fn run_stages(options: &Options) -> anyhow::Result<ExitStatus> {
+    let (pipeline, path) = pipeline_and_folder(options)?;
     let composed = pipeline.read(&options.project, &options.set);
-    let mut composed = composed.inspect_err(|_| note_usage_error(&options, &path))?;
+    let mut composed = composed.inspect_err(|_| note_usage_error(options, &path))?;
     composed.allowed().try_for_each(|code| refuse_not_to_be_allowed(&code))?;
-    let (stages, left_out) = stages_of(&options, &composed, &options.programs.commands()?)?;
+    let (stages, left_out) = stages_of(options, &composed, &options.programs.commands()?)?;
     let outputs = || chain().flat_map(|stage| stage.outputs);
-    note_run(&mut composed, &options, &pipeline, &stages);
-    let folder = locked(&options, path)?;
+    note_run(&mut composed, options, &pipeline, &stages);
+    let folder = locked(options, path)?;
     let path = folder.path();
     refuse_links(folder.path(), outputs().chain([PIPELINE_OF_A_RUN]))?;
     let before = pipeline_before(folder.path())?;
@@ -57,7 +74,7 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
             .with_context(|| format!("cannot remove what an earlier run left in {}", folder.path().display()))?;
     }
     let given = PipelineOfRun::write(folder.path(), &composed, before.as_ref())?;
-    let run = Run { options: &options, stages: &stages, composed: &composed, pipeline: given.path(), folder: &folder };
+    let run = Run { options, stages: &stages, composed: &composed, pipeline: given.path(), folder: &folder };
     if !given.is_unchanged()
         && (composed.is_set() || !pipeline.is_of(&options.project))
         && let Some(status) = run.check_options()?

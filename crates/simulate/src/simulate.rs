@@ -103,9 +103,13 @@ pub fn simulate_driven(
     beside_the_test(test, window, |dt, samples| {
         let drive = excitation.drive(mass_kg, v0, dt, samples);
         Ok(if let Excitation::Impact = excitation {
-            let response = model.respond(v0, dt, samples)?;
-            let motion = response.compartment().clone();
-            (motion, response.motions, model.events(v0)?, model.dynamics(&drive, dt, samples).ok())
+            // After an impact they have the same motions.
+            let dynamics = model.dynamics(&drive, dt, samples).ok();
+            let response = match &dynamics {
+                Some(dynamics) => dynamics.response.clone(),
+                None => model.respond(v0, dt, samples)?,
+            };
+            (response.compartment().clone(), response.motions, model.events(v0)?, dynamics)
         } else {
             driven(model.dynamics(&drive, dt, samples)?)
         })

@@ -9,6 +9,7 @@ pub mod identification_cover;
 pub mod instructions;
 pub mod interval_cover;
 pub mod made_fleet;
+pub mod numbers;
 mod places;
 pub mod prediction_error;
 pub mod programs;

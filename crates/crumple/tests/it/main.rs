@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
+mod newcomer;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -9,7 +11,8 @@ use std::process::{Command, Output};
 const CRUMPLE: &str = env!("CARGO_BIN_EXE_crumple");
 
 /// Every word that stands for a program, and those behind one.
-const WORDS: [&str; 33] = [
+const WORDS: [&str; 35] = [
+    "demo",
     "run",
     "together",
     "fleet",
@@ -42,6 +45,7 @@ const WORDS: [&str; 33] = [
     "show",
     "notes",
     "curve",
+    "explain",
     "new-stage",
 ];
 
@@ -67,6 +71,8 @@ fn every_word_is_a_program_that_names_itself_as_it_was_typed() {
     let folder = tempfile::tempdir().unwrap();
     let all = stdout(&crumple(folder.path(), &["-h"]));
     assert!(all.lines().count() <= 40, "{all}");
+    let all_in_lines = stdout(&crumple(folder.path(), &["--help"]));
+    assert_eq!(stdout(&crumple(folder.path(), &["help"])), all_in_lines);
     let script = |shell: &str| stdout(&crumple(folder.path(), &["completions", shell]));
     let scripts = ["bash", "zsh", "fish"].map(script);
     for word in WORDS {
@@ -87,7 +93,8 @@ fn every_word_is_a_program_that_names_itself_as_it_was_typed() {
             assert!(scripts.iter().all(|script| script.contains(flag)), "{word}: --{flag}");
         }
         let is_line = |line: &str| line.trim_start().starts_with(&format!("{word} "));
-        assert!(words.len() > 1 || all.lines().any(is_line), "{word} in {all}");
+        assert!(words.len() > 1 || all_in_lines.lines().any(is_line), "{word} in {all_in_lines}");
+        assert!(words.len() > 1 || all.contains(word), "{word} in {all}");
         let link = format!("crumple-{}", word.replace(' ', "-"));
         let man = with(&["--generate", "man"]);
         let page = stdout(&man).replace('\\', "");

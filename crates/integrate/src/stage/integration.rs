@@ -132,7 +132,7 @@ impl ChannelIntegration<'_> {
         let uncertainty = self.uncertainty(&channel.id, &events, acceleration.end_s())?;
         if let Some(intervals) = self.intervals(acceleration, &motion, &settings, uncertainty.as_ref(), out) {
             for (metric, interval) in metrics.iter_mut().zip(intervals.metrics) {
-                metric.interval = interval.filter(|_| metric.value.is_some());
+                metric.interval = metric.value.zip(interval).map(|(value, interval)| interval.holding(value));
             }
             event_intervals = intervals.events;
             let replicates = self.settings.uncertainty.as_ref().map_or(0, |uncertainty| uncertainty.replicates);

@@ -2,7 +2,7 @@
 
 use crumple_lumped::{Model, Nonlinear1, Nonlinear2, Parameter, ParameterKind};
 use crumple_numerics::estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
-use crumple_numerics::linalg::nonnegative_least_squares;
+use crumple_numerics::linalg::{dot, nonnegative_least_squares};
 use crumple_signal::{Displacement, Signal};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -90,6 +90,15 @@ pub(crate) struct Momentum {
     lost: Vec<f64>,
 }
 
+/// Columns of springs or of dampers, with their inner products.
+pub(crate) struct Columns {
+    columns: Vec<Vec<f64>>,
+    /// With each other.
+    gram: DMatrix<f64>,
+    /// With the lost speed.
+    lost: Vec<f64>,
+}
+
 impl Momentum {
     /// Reads a displacement. The speed is a central difference of it, off by `O(dt²)` and by the noise over `dt`: only
     /// starting values depend on it.
@@ -138,17 +147,32 @@ impl Momentum {
             .collect()
     }
 
+    /// Columns with their inner products.
+    pub fn with_products(&self, columns: Vec<Vec<f64>>) -> Columns {
+        let n = columns.len();
+        let gram = DMatrix::from_fn(n, n, |i, j| dot(&columns[i], &columns[j]));
+        let lost = columns.iter().map(|column| dot(column, &self.lost)).collect();
+        Columns { columns, gram, lost }
+    }
+
     /// The values at given knots that meet the lost speed best, not negative, and the squared error they leave.
     ///
     /// Values of springs come first, in units of `m v0/C` a second; then those of dampers, in units of `m` a second.
     /// Columns are scaled to one length before the Gram matrix is formed.
-    pub fn solve(&self, spring: &[Vec<f64>], damper: &[Vec<f64>]) -> (Vec<f64>, f64) {
-        let columns: Vec<&Vec<f64>> = spring.iter().chain(damper).collect();
-        let n = columns.len();
-        let dot = |a: &[f64], b: &[f64]| crumple_numerics::linalg::dot(a, b);
-        let norms: Vec<f64> = columns.iter().map(|c| dot(c, c).sqrt().max(f64::MIN_POSITIVE)).collect();
-        let gram = DMatrix::from_fn(n, n, |i, j| dot(columns[i], columns[j]) / (norms[i] * norms[j]));
-        let b = DVector::from_fn(n, |i, _| dot(columns[i], &self.lost) / norms[i]);
+    pub fn solve(&self, spring: &Columns, damper: &Columns) -> (Vec<f64>, f64) {
+        let (springs, n) = (spring.columns.len(), spring.columns.len() + damper.columns.len());
+        let mut gram = DMatrix::zeros(n, n);
+        gram.view_mut((0, 0), (springs, springs)).copy_from(&spring.gram);
+        gram.view_mut((springs, springs), (n - springs, n - springs)).copy_from(&damper.gram);
+        for (i, of_spring) in spring.columns.iter().enumerate() {
+            for (j, of_damper) in damper.columns.iter().enumerate() {
+                let product = dot(of_spring, of_damper);
+                (gram[(i, springs + j)], gram[(springs + j, i)]) = (product, product);
+            }
+        }
+        let norms: Vec<f64> = (0..n).map(|i| gram[(i, i)].sqrt().max(f64::MIN_POSITIVE)).collect();
+        let gram = DMatrix::from_fn(n, n, |i, j| gram[(i, j)] / (norms[i] * norms[j]));
+        let b = DVector::from_iterator(n, spring.lost.iter().chain(&damper.lost).zip(&norms).map(|(b, norm)| b / norm));
         // The factor has the same inner products as the columns, in n rows.
         let factor = (&gram + DMatrix::identity(n, n) * 1e-13).cholesky().map(nalgebra::Cholesky::unpack);
         let reduced = factor.and_then(|l| Some((l.transpose(), l.solve_lower_triangular(&b)?)));
@@ -188,13 +212,13 @@ impl SingleMassFitOptions {
         let springs = momentum.columns(&momentum.x, &[0.0, 1.0]);
         let sum = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a + b).collect() };
         // k = k1 + (k2 - k1) ramp; c = c3 + (c2 - c3) [first two hats] + (c1 - c2) [first hat].
-        let spring_parts = vec![sum(&springs[0], &springs[1]), springs[1].clone()];
+        let spring_parts = momentum.with_products(vec![sum(&springs[0], &springs[1]), springs[1].clone()]);
         let mut starts: Vec<Start> = DAMPER_KNOTS
             .iter()
             .map(|knee| {
                 let c = momentum.columns(&momentum.v, &[0.0, *knee, 1.0]);
                 let two = sum(&c[0], &c[1]);
-                let parts = vec![c[0].clone(), two.clone(), sum(&two, &c[2])];
+                let parts = momentum.with_products(vec![c[0].clone(), two.clone(), sum(&two, &c[2])]);
                 let (values, cost) = momentum.solve(&spring_parts, &parts);
                 Start { knots: vec![*knee], values, cost }
             })
@@ -307,7 +331,8 @@ impl SingleMassFitOptions {
         self.check()?;
         let observed = self.observed(displacement)?;
         let momentum = Momentum::of(&observed.waves[0], self);
-        let springs: Vec<_> = SPRING_KNOTS.iter().map(|x1| momentum.columns(&momentum.x, &[0.0, *x1, 1.0])).collect();
+        let spring = |x1: &f64| momentum.with_products(momentum.columns(&momentum.x, &[0.0, *x1, 1.0]));
+        let springs: Vec<Columns> = SPRING_KNOTS.iter().map(spring).collect();
         let pairs: Vec<(f64, f64)> = DAMPER_KNOTS
             .iter()
             .enumerate()
@@ -316,7 +341,7 @@ impl SingleMassFitOptions {
         let mut starts: Vec<Start> = pairs
             .par_iter()
             .flat_map_iter(|(v1, v2)| {
-                let damper = momentum.columns(&momentum.v, &[0.0, *v1, *v2, 1.0]);
+                let damper = momentum.with_products(momentum.columns(&momentum.v, &[0.0, *v1, *v2, 1.0]));
                 let tried: Vec<Start> = springs
                     .iter()
                     .zip(SPRING_KNOTS)

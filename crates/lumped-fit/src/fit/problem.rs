@@ -225,13 +225,15 @@ impl Response for Problem<'_> {
                 return false;
             }
             let scale = wave.weight / self.unit;
-            for (j, by) in derivatives.iter().enumerate() {
-                out.view_mut((first, j), (rows, 1)).fill(0.0);
+            for (by, mut column) in derivatives.iter().zip(out.column_iter_mut()) {
+                let column = &mut column.as_mut_slice()[first..first + rows];
+                column.fill(0.0);
                 for (number, factor) in by {
                     let Ok(p) = moved.binary_search(number) else { continue };
-                    for (k, derivative) in by_number[p].iter().enumerate() {
-                        out[(first + k, j)] += factor * derivative * scale;
-                    }
+                    column
+                        .iter_mut()
+                        .zip(&by_number[p])
+                        .for_each(|(sum, derivative)| *sum += factor * derivative * scale);
                 }
             }
             first += rows;

@@ -263,8 +263,8 @@ impl ObservedWave {
     pub(crate) fn response(&self, v0_m_per_s: f64, structure: &Structure) -> Result<Vec<f64>, LumpedError> {
         let what = (self.mass, self.quantity);
         if self.measurement.is_exact() {
-            let respond = || response_of(self.quantity, structure, v0_m_per_s, &self.instants(), &[]);
-            return Ok(self.of_motions(&metered(&self.work, (self.samples.len(), 0), respond)?.motions));
+            let respond = || response_of(what, structure, v0_m_per_s, &self.instants(), &[]);
+            return Ok(self.of_motions(metered(&self.work, (self.samples.len(), 0), respond)?.motions));
         }
         let measured = || self.measurement.of_structure(what, v0_m_per_s, self.last(), structure);
         Ok(self.picked(&metered(&self.work, (self.last() + 1, 0), measured)?))
@@ -279,17 +279,19 @@ impl ObservedWave {
     ) -> Result<Vec<Vec<f64>>, LumpedError> {
         let what = (self.mass, self.quantity);
         if self.measurement.is_exact() {
-            let respond = || response_of(self.quantity, structure, v0_m_per_s, &self.instants(), places);
+            let respond = || response_of(what, structure, v0_m_per_s, &self.instants(), places);
             let response = metered(&self.work, (self.samples.len(), places.len()), respond)?;
-            return Ok(response.derivatives.iter().map(|motions| self.of_motions(motions)).collect());
+            return Ok(response.derivatives.into_iter().map(|motions| self.of_motions(motions)).collect());
         }
         let all = derivatives((&self.measurement, &self.work), what, v0_m_per_s, self.last(), (structure, places))?;
         Ok(all.iter().map(|derivative| self.picked(derivative)).collect())
     }
 
     /// Its quantity in the motion of its mass; nothing where there is none.
-    fn of_motions(&self, motions: &[Motion]) -> Vec<f64> {
-        motion_of(motions, self.mass).map_or_else(Vec::new, |motion| self.quantity.of(motion).to_vec())
+    fn of_motions(&self, mut motions: Vec<Motion>) -> Vec<f64> {
+        let Some(last) = motions.len().checked_sub(1) else { return Vec::new() };
+        let mass = self.mass.filter(|mass| *mass < last).unwrap_or(last);
+        self.quantity.taken_of(motions.swap_remove(mass))
     }
 }
 
@@ -495,7 +497,7 @@ impl MeasureModel for Measurement {
         last: usize,
         structure: &Structure,
     ) -> Result<Vec<f64>, LumpedError> {
-        let respond = |quantity, at: Instants| response_of(quantity, structure, v0_m_per_s, &at, &[]);
+        let respond = |quantity, at: Instants| response_of((mass, quantity), structure, v0_m_per_s, &at, &[]);
         let Some(samples) = self.instants(last) else {
             return Ok(self.record(&[], quantity.kind(), v0_m_per_s, last));
         };
@@ -529,7 +531,7 @@ pub(crate) fn derivatives(
     };
     let at = Instants { first_s: 0.0, dt_s: measurement.dt_s, samples };
     let of_some = |places: &[Place]| -> Result<Vec<Vec<f64>>, LumpedError> {
-        let response = response_of(quantity.recorded(), structure, v0_m_per_s, &at, places)?;
+        let response = response_of((mass, quantity.recorded()), structure, v0_m_per_s, &at, places)?;
         let motions = response.derivatives.iter().map(|motions| motion_of(motions, mass));
         let accelerations: Vec<&[f64]> =
             motions.map(|motion| motion.map_or(&[][..], |motion| &motion.acceleration_m_per_s2)).collect();

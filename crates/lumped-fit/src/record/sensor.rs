@@ -4,7 +4,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crumple_lumped::{Instants, LumpedError, Motion, Place, Sensitivity, Structure, Waves};
+use crumple_lumped::{Asked, Instants, LumpedError, Motion, Place, Sensitivity, Structure, Waves};
 use crumple_signal::{Displacement, Measurement, QuantityKind, Sampled, Signal};
 
 use crate::error::SolveError;
@@ -81,6 +81,17 @@ impl FitQuantity {
             Self::Displacement => &motion.displacement_m,
             Self::Velocity => &motion.velocity_m_per_s,
             Self::Acceleration | Self::Force => &motion.acceleration_m_per_s2,
+        }
+    }
+}
+
+impl FitQuantity {
+    /// The same, taken out of it.
+    pub(crate) fn taken_of(self, motion: Motion) -> Vec<f64> {
+        match self {
+            Self::Displacement => motion.displacement_m,
+            Self::Velocity => motion.velocity_m_per_s,
+            Self::Acceleration | Self::Force => motion.acceleration_m_per_s2,
         }
     }
 }
@@ -264,16 +275,19 @@ pub struct TestData<'a> {
     pub sensors: &'a [Sensor<'a>],
 }
 
-/// The waves of this quantity that a structure has after an impact, and their derivatives by the parameters at
-/// `places`: of the force on the wall the accelerations, and the wall behind the last mass.
+/// The wave of this quantity that a mass of a structure has after an impact ([`motion_of`]), and its derivatives by the
+/// parameters at `places`; other masses stay empty. Of the force on the wall the accelerations of all masses, and the
+/// wall behind the last.
 pub(crate) fn response_of(
-    quantity: FitQuantity,
+    (mass, quantity): (Option<usize>, FitQuantity),
     structure: &Structure,
     v0_m_per_s: f64,
     at: &Instants,
     places: &[Place],
 ) -> Result<Sensitivity, LumpedError> {
-    let response = structure.sensitivity_of(quantity.waves(), v0_m_per_s, at, places)?;
+    let last = structure.masses_kg().len() - 1;
+    let mass = (quantity != FitQuantity::Force).then(|| mass.filter(|mass| *mass < last).unwrap_or(last));
+    let response = structure.sensitivity_of(Asked { waves: quantity.waves(), mass }, v0_m_per_s, at, places)?;
     Ok(match quantity {
         FitQuantity::Force => with_wall_force(response, structure.masses_kg(), places),
         _ => response,

@@ -14,7 +14,7 @@ use std::f64::consts::{LN_2, PI};
 use crumple_lumped::Model;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use crate::record::observation::Observation;
+use crate::record::observation::{Observation, ObservedWave};
 use crate::uncertainty::uncertain_inputs::TIME_ZERO_S;
 
 /// Standard deviation of the logarithm of a number before the record: a factor of 2, the range of vehicles.
@@ -49,11 +49,13 @@ impl Evidence {
     /// Of a candidate with these free numbers, near the least misfit to all records, each with what it is divided by.
     /// Numbers that are zero stay. `None` where the model has no finite response.
     pub fn new(records: &[(Observation, f64)], start: &Model, free: &[&str]) -> Option<Self> {
+        let slow: Vec<SlowTerms> = records.iter().map(|(observed, _)| SlowTerms::of(observed)).collect();
+        let terms_of_all = |misfits: &[Vec<f64>]| terms_of_all(records, &slow, misfits);
         let terms_at = |values: &[f64]| {
             let structure = start.with_values(values).ok()?.structure().ok()?;
             let misfits = records.iter().map(|(observed, _)| observed.misfit_of(&structure));
             let misfits: Vec<Vec<f64>> = misfits.collect::<Option<_>>()?;
-            Some((terms_of_all(records, &misfits), misfits))
+            Some((terms_of_all(&misfits), misfits))
         };
         let (names, mut values) = (start.names(), start.values());
         let places = free.iter().filter_map(|free| names.iter().position(|name| name == free));
@@ -74,7 +76,7 @@ impl Evidence {
                 let slopes = records.iter().zip(&misfits).enumerate().map(|(k, ((observed, _), misfit))| {
                     if k == record { slope(observed, misfit) } else { vec![0.0; misfit.len()] }
                 });
-                columns.push(terms_of_all(records, &slopes.collect::<Vec<_>>()) * TIME_ZERO_S);
+                columns.push(terms_of_all(&slopes.collect::<Vec<_>>()) * TIME_ZERO_S);
             }
             let names = free.iter().map(|k| names[*k].to_string()).collect();
             Some(Self { terms, sensitivity: DMatrix::from_columns(&columns), names })
@@ -134,9 +136,11 @@ impl Evidence {
 }
 
 /// The slow terms of misfits to records side by side, each divided by its unit.
-fn terms_of_all(records: &[(Observation, f64)], misfits: &[Vec<f64>]) -> DVector<f64> {
-    let each = records.iter().zip(misfits).map(|((observed, unit), misfit)| slow_terms(observed, misfit) / *unit);
-    DVector::from_vec(each.flat_map(|terms| terms.iter().copied().collect::<Vec<_>>()).collect())
+fn terms_of_all(records: &[(Observation, f64)], slow: &[SlowTerms], misfits: &[Vec<f64>]) -> DVector<f64> {
+    let each = records.iter().zip(slow).zip(misfits);
+    let terms =
+        each.flat_map(|(((observed, unit), slow), misfit)| slow.of_misfit(observed, misfit).map(move |x| x / unit));
+    DVector::from_iterator(slow.iter().map(SlowTerms::count).sum(), terms)
 }
 
 /// The slopes of the modelled waves times their weights, per second: central differences, at the ends those of the
@@ -156,30 +160,52 @@ fn slope(observed: &Observation, misfit: &[f64]) -> Vec<f64> {
     slopes
 }
 
-/// The part of a misfit that is slower than 60 Hz, wave by wave: its first terms of the orthonormal discrete cosine
-/// transform, in which the ends of the window make no difference, times the root of the sampling interval.
-pub fn slow_terms(observed: &Observation, misfit: &[f64]) -> DVector<f64> {
-    let parts = observed.waves.iter().zip(observed.split(misfit));
-    let each = parts.flat_map(|(wave, misfit)| slow_part(misfit, wave.measurement.dt_s * wave.stride as f64));
-    DVector::from_vec(each.collect())
+/// What is slower than 60 Hz in misfits to a record, wave by wave: their first terms of the orthonormal discrete
+/// cosine transform, in which the ends of the window make no difference, times the root of the sampling interval.
+struct SlowTerms(Vec<Vec<SlowTerm>>);
+
+/// A term: its norm, and its cosine at every sample.
+struct SlowTerm {
+    norm: f64,
+    cosines: Vec<f64>,
 }
 
-/// The same of one wave with samples `dt_s` apart.
-fn slow_part(misfit: &[f64], dt_s: f64) -> Vec<f64> {
-    let count = misfit.len();
+impl SlowTerms {
+    fn of(observed: &Observation) -> Self {
+        let of_wave = |wave: &ObservedWave| slow_terms(wave.samples.len(), wave.measurement.dt_s * wave.stride as f64);
+        Self(observed.waves.iter().map(of_wave).collect())
+    }
+
+    fn count(&self) -> usize {
+        self.0.iter().map(Vec::len).sum()
+    }
+
+    fn of_misfit(&self, observed: &Observation, misfit: &[f64]) -> impl Iterator<Item = f64> {
+        let parts = self.0.iter().zip(observed.split(misfit));
+        parts.flat_map(|(terms, misfit)| terms.iter().map(move |term| term.of(misfit)))
+    }
+}
+
+impl SlowTerm {
+    fn of(&self, misfit: &[f64]) -> f64 {
+        self.norm * misfit.iter().zip(&self.cosines).map(|(e, cosine)| e * cosine).sum::<f64>()
+    }
+}
+
+/// The slow terms of one wave of so many samples, `dt_s` apart.
+fn slow_terms(count: usize, dt_s: f64) -> Vec<SlowTerm> {
     let terms = ((2.0 * SLOW_HZ * dt_s * count as f64).round() as usize).clamp(1, count.max(1));
-    let of_term = |term: usize| {
+    let term = |term: usize| {
         let angle = PI * term as f64 / count as f64;
         let norm = (if term == 0 { dt_s } else { 2.0 * dt_s } / count as f64).sqrt();
-        norm * misfit.iter().enumerate().map(|(k, e)| e * (angle * (k as f64 + 0.5)).cos()).sum::<f64>()
+        SlowTerm { norm, cosines: (0..count).map(|k| (angle * (k as f64 + 0.5)).cos()).collect() }
     };
-    (0..terms).map(of_term).collect()
+    (0..terms).map(term).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::observation::ObservedWave;
     use crate::record::sensor::FitQuantity;
     use crumple_lumped::{Kelvin, Model};
     use crumple_signal::{Measurement, Sampled};
@@ -281,6 +307,9 @@ mod tests {
     fn a_ring_of_120_hz_is_not_in_the_slow_terms_and_a_motion_of_20_hz_is() {
         let wave = |hz: f64| (0..750).map(|k| (2.0 * PI * hz * f64::from(k) * 1e-4).sin()).collect::<Vec<f64>>();
         let size = |wave: &[f64]| wave.iter().map(|e| e * e).sum::<f64>().sqrt();
+        let slow_part = |misfit: &[f64], dt_s: f64| -> Vec<f64> {
+            slow_terms(misfit.len(), dt_s).iter().map(|term| term.of(misfit)).collect()
+        };
         let of_terms = |misfit: &[f64], dt_s: f64| size(&slow_part(misfit, dt_s)) / dt_s.sqrt();
         // 9 terms of 75 ms; what leaks is that of the ends of the window.
         assert!(of_terms(&wave(120.0), 1e-4) < 0.2 * size(&wave(120.0)));

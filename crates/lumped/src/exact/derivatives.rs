@@ -8,20 +8,20 @@
 //! quadratic forms of the state and come from a block exponential of twice the size: Van Loan, "Computing integrals
 //! involving the matrix exponential", IEEE Trans. Automatic Control 23(3), 1978.
 //!
-//! Derivatives of a linear motion by its parameters, eight side by side.
+//! Derivatives of a linear motion by its parameters, eight or four side by side.
 //!
 //! The exponential of a step and its derivatives come from one pass of scaling, Taylor series and squaring, each
 //! operation differentiated by the product rule: no finite differences, and no step error that depends on the sampling
-//! interval. The eight derivatives of an entry stand together, so that the processor's vectors are full however small
-//! the matrix is; every lane does the operations of a single derivative in the same order, hence the same bits for
-//! every vector width. Plain loops: closures would not be compiled for the vectors of the caller.
+//! interval. The derivatives of an entry stand together, so that the processor's vectors are full however small the
+//! matrix is; every lane does the operations of a single derivative in the same order, hence the same bits for any
+//! number of lanes and every vector width. Plain loops: closures would not be compiled for the vectors of the caller.
 
 use crumple_numerics::lti::matrix_exponential;
 use nalgebra::{DMatrix, DVector};
 use pulp::{Simd, WithSimd};
 
 use crate::exact::linear_motion::{INVERSE_FACTORIALS, LinearElement, LinearSystem, POWERS, TERMS, squarings_of};
-use crate::motion::mass_motion::Waves;
+use crate::motion::mass_motion::Asked;
 use crate::structure::connected_masses::Form;
 use crate::{Drive, Instants, LumpedError, Motion};
 
@@ -195,29 +195,31 @@ fn integrated(a: &DMatrix<f64>, q: &DMatrix<f64>, dt_s: f64) -> Result<DMatrix<f
 
 /// Derivatives side by side.
 pub(crate) const ABREAST: usize = 8;
+/// The same where no more are left: half as much to compute.
+pub(crate) const FEW: usize = 4;
 /// The derivatives of one number; places that nothing fills are zero.
-pub(crate) type Lanes = [f64; ABREAST];
+pub(crate) type Lanes<const L: usize> = [f64; L];
 
-/// A linear motion and how eight parameters change it, marched over instants. Matrices are row after row, time in
-/// units of `tau_s`.
-pub(crate) struct DerivativesAbreast<'a> {
+/// A linear motion and how `L` parameters change it, marched over instants. Matrices are row after row, time in units
+/// of `tau_s`.
+pub(crate) struct DerivativesAbreast<'a, const L: usize> {
     pub masses: usize,
     pub tau_s: f64,
     /// The matrix, N x N.
     pub a: &'a [f64],
     /// Its derivatives.
-    pub da: &'a [Lanes],
+    pub da: &'a [Lanes<L>],
     /// The state at the start, N.
     pub start: &'a [f64],
     /// Its derivatives.
-    pub start_by: &'a [Lanes],
+    pub start_by: &'a [Lanes<L>],
     /// How many of the lanes are filled.
     pub filled: usize,
     pub at: &'a Instants,
-    pub waves: Waves,
+    pub asked: Asked,
 }
 
-impl WithSimd for DerivativesAbreast<'_> {
+impl<const L: usize> WithSimd for DerivativesAbreast<'_, L> {
     /// The motion of every mass, and how every parameter of a filled lane changes it.
     type Output = (Vec<Motion>, Vec<Vec<Motion>>);
 
@@ -234,30 +236,34 @@ impl WithSimd for DerivativesAbreast<'_> {
     }
 }
 
-impl DerivativesAbreast<'_> {
+impl<const L: usize> DerivativesAbreast<'_, L> {
     /// `N`: number of states, or [`UNKNOWN`]. A sensitivity goes `s(t+dt) = phi s + dphi z`. The first instant is
     /// reached by one step of its own; accelerations come from `A z` and `A s + dA z`, not from differences.
     #[inline(always)]
     fn march<const N: usize>(&self) -> <Self as WithSimd>::Output {
         let (n, masses, at, per_tau) = (known::<N>(self.start.len()), self.masses, self.at, self.tau_s.recip());
-        let asked = self.waves.asked();
-        let mut motions = vec![Motion::zeros(at.samples, self.waves); masses];
-        let mut derivatives: Vec<[Vec<Lanes>; 3]> =
-            (0..masses).map(|_| asked.map(|asked| vec![[0.0; ABREAST]; if asked { at.samples } else { 0 }])).collect();
+        let (asked, of_masses) = (self.asked.waves.asked(), self.asked.masses(masses));
+        let mut motions = self.asked.zeros(at.samples, masses);
+        let zeros = |motion: &Motion| {
+            let waves = [&motion.displacement_m, &motion.velocity_m_per_s, &motion.acceleration_m_per_s2];
+            waves.map(|wave| vec![[0.0; L]; wave.len()])
+        };
+        let mut derivatives: Vec<[Vec<Lanes<L>>; 3]> = motions.iter().map(zeros).collect();
         let (mut z, mut s) = (self.start.to_vec(), self.start_by.to_vec());
         let (mut next_z, mut next_s) = (z.clone(), s.clone());
         if at.first_s > 0.0 {
             let (phi, dphi) = self.exponential::<N>(at.first_s);
-            applied::<N>(&phi, &dphi, (&z, &s), (&mut next_z, &mut next_s), 0..n);
+            applied::<N, L>(&phi, &dphi, (&z, &s), (&mut next_z, &mut next_s), 0..n);
             (z, s) = (next_z.clone(), next_s.clone());
         }
         let (phi, dphi) = self.exponential::<N>(at.dt_s);
         let (mut rate_z, mut rate_s) = (z.clone(), s.clone());
+        let of_rates = masses + of_masses.start..masses + of_masses.end;
         for k in 0..at.samples {
             if asked[2] {
-                applied::<N>(self.a, self.da, (&z, &s), (&mut rate_z, &mut rate_s), masses..2 * masses);
+                applied::<N, L>(self.a, self.da, (&z, &s), (&mut rate_z, &mut rate_s), of_rates.clone());
             }
-            for mass in 0..masses {
+            for mass in of_masses.clone() {
                 let (motion, derivative) = (&mut motions[mass], &mut derivatives[mass]);
                 if asked[0] {
                     (motion.displacement_m[k], derivative[0][k]) = (z[mass], s[mass]);
@@ -271,13 +277,13 @@ impl DerivativesAbreast<'_> {
                     derivative[2][k] = scaled(&rate_s[masses + mass], per_tau * per_tau);
                 }
             }
-            applied::<N>(&phi, &dphi, (&z, &s), (&mut next_z, &mut next_s), 0..n);
+            applied::<N, L>(&phi, &dphi, (&z, &s), (&mut next_z, &mut next_s), 0..n);
             std::mem::swap(&mut z, &mut next_z);
             std::mem::swap(&mut s, &mut next_s);
         }
         let of_lane = |lane: usize| {
-            let wave = |wave: &Vec<Lanes>| wave.iter().map(|lanes| lanes[lane]).collect();
-            let motion = |[x, v, a]: &[Vec<Lanes>; 3]| Motion {
+            let wave = |wave: &Vec<Lanes<L>>| wave.iter().map(|lanes| lanes[lane]).collect();
+            let motion = |[x, v, a]: &[Vec<Lanes<L>>; 3]| Motion {
                 displacement_m: wave(x),
                 velocity_m_per_s: wave(v),
                 acceleration_m_per_s2: wave(a),
@@ -289,27 +295,27 @@ impl DerivativesAbreast<'_> {
 
     /// `exp(A t)` and its derivatives, `t` in s.
     #[inline(always)]
-    fn exponential<const N: usize>(&self, t_s: f64) -> (Vec<f64>, Vec<Lanes>) {
+    fn exponential<const N: usize>(&self, t_s: f64) -> (Vec<f64>, Vec<Lanes<L>>) {
         let n = known::<N>(self.start.len());
         let t = t_s / self.tau_s;
         let column = |j: usize| (0..n).map(|i| self.a[i * n + j].abs()).sum::<f64>();
         let squarings = squarings_of((0..n).map(column).fold(0.0, f64::max) * t.abs());
         let h = t * 0.5_f64.powi(squarings);
         let x: Vec<f64> = self.a.iter().map(|a| a * h).collect();
-        let dx: Vec<Lanes> = self.da.iter().map(|d| scaled(d, h)).collect();
-        let mut powers: [(Vec<f64>, Vec<Lanes>); POWERS] = std::array::from_fn(|_| (x.clone(), dx.clone()));
+        let dx: Vec<Lanes<L>> = self.da.iter().map(|d| scaled(d, h)).collect();
+        let mut powers: [(Vec<f64>, Vec<Lanes<L>>); POWERS] = std::array::from_fn(|_| (x.clone(), dx.clone()));
         for k in 1..POWERS {
             let (lower, power) = powers.split_at_mut(k);
             let ((a, da), (b, db)) = (&lower[k / 2], &lower[(k - 1) / 2]);
-            multiplied::<N>(n, (a, da), (b, db), (&mut power[0].0, &mut power[0].1));
+            multiplied::<N, L>(n, (a, da), (b, db), (&mut power[0].0, &mut power[0].1));
         }
         let (last, dlast) = &powers[POWERS - 1];
         let mut phi: Vec<f64> = last.iter().map(|x| x * INVERSE_FACTORIALS[TERMS]).collect();
-        let mut dphi: Vec<Lanes> = dlast.iter().map(|d| scaled(d, INVERSE_FACTORIALS[TERMS])).collect();
+        let mut dphi: Vec<Lanes<L>> = dlast.iter().map(|d| scaled(d, INVERSE_FACTORIALS[TERMS])).collect();
         let (mut product, mut dproduct) = (x.clone(), dx.clone());
         for first in (0..TERMS).step_by(POWERS).rev() {
             if first + POWERS < TERMS {
-                multiplied::<N>(n, (&phi, &dphi), (last, dlast), (&mut product, &mut dproduct));
+                multiplied::<N, L>(n, (&phi, &dphi), (last, dlast), (&mut product, &mut dproduct));
                 std::mem::swap(&mut phi, &mut product);
                 std::mem::swap(&mut dphi, &mut dproduct);
             }
@@ -320,14 +326,14 @@ impl DerivativesAbreast<'_> {
                 let (factor, (power, dpower)) = (INVERSE_FACTORIALS[first + k], &powers[k - 1]);
                 for i in 0..n * n {
                     phi[i] += power[i] * factor;
-                    for lane in 0..ABREAST {
+                    for lane in 0..L {
                         dphi[i][lane] += dpower[i][lane] * factor;
                     }
                 }
             }
         }
         for _ in 0..squarings {
-            multiplied::<N>(n, (&phi, &dphi), (&phi, &dphi), (&mut product, &mut dproduct));
+            multiplied::<N, L>(n, (&phi, &dphi), (&phi, &dphi), (&mut product, &mut dproduct));
             std::mem::swap(&mut phi, &mut product);
             std::mem::swap(&mut dphi, &mut dproduct);
         }
@@ -345,7 +351,7 @@ const fn known<const N: usize>(found: usize) -> usize {
 }
 
 #[inline(always)]
-fn scaled(lanes: &Lanes, factor: f64) -> Lanes {
+fn scaled<const L: usize>(lanes: &Lanes<L>, factor: f64) -> Lanes<L> {
     let mut result = *lanes;
     for value in &mut result {
         *value *= factor;
@@ -355,28 +361,28 @@ fn scaled(lanes: &Lanes, factor: f64) -> Lanes {
 
 /// The product of two square matrices of `n` rows and its derivatives, `d(a b) = da b + a db`.
 #[inline(always)]
-fn multiplied<const N: usize>(
+fn multiplied<const N: usize, const L: usize>(
     n: usize,
-    a: (&[f64], &[Lanes]),
-    b: (&[f64], &[Lanes]),
-    product: (&mut [f64], &mut [Lanes]),
+    a: (&[f64], &[Lanes<L>]),
+    b: (&[f64], &[Lanes<L>]),
+    product: (&mut [f64], &mut [Lanes<L>]),
 ) {
     let n = known::<N>(n);
     let (a, b) = ((&a.0[..n * n], &a.1[..n * n]), (&b.0[..n * n], &b.1[..n * n]));
     let product = (&mut product.0[..n * n], &mut product.1[..n * n]);
     for i in 0..n {
         for j in 0..n {
-            let (mut sum, mut by_left, mut by_right) = (0.0, [0.0; ABREAST], [0.0; ABREAST]);
+            let (mut sum, mut by_left, mut by_right) = (0.0, [0.0; L], [0.0; L]);
             for k in 0..n {
                 let (left, right) = (a.0[i * n + k], b.0[k * n + j]);
                 let (dleft, dright) = (&a.1[i * n + k], &b.1[k * n + j]);
                 sum += left * right;
-                for lane in 0..ABREAST {
+                for lane in 0..L {
                     by_left[lane] += dleft[lane] * right;
                     by_right[lane] += left * dright[lane];
                 }
             }
-            for lane in 0..ABREAST {
+            for lane in 0..L {
                 by_left[lane] += by_right[lane];
             }
             product.0[i * n + j] = sum;
@@ -387,25 +393,25 @@ fn multiplied<const N: usize>(
 
 /// Some rows of the product of a matrix with a state, and its derivatives.
 #[inline(always)]
-fn applied<const N: usize>(
+fn applied<const N: usize, const L: usize>(
     matrix: &[f64],
-    by: &[Lanes],
-    (z, s): (&[f64], &[Lanes]),
-    (next_z, next_s): (&mut [f64], &mut [Lanes]),
+    by: &[Lanes<L>],
+    (z, s): (&[f64], &[Lanes<L>]),
+    (next_z, next_s): (&mut [f64], &mut [Lanes<L>]),
     rows: std::ops::Range<usize>,
 ) {
     let n = known::<N>(z.len());
     let (matrix, by, z, s) = (&matrix[..n * n], &by[..n * n], &z[..n], &s[..n]);
     for i in rows {
-        let (mut sum, mut dsum) = (0.0, [0.0; ABREAST]);
+        let (mut sum, mut dsum) = (0.0, [0.0; L]);
         for j in 0..n {
             sum += matrix[i * n + j] * z[j];
-            for lane in 0..ABREAST {
+            for lane in 0..L {
                 dsum[lane] += matrix[i * n + j] * s[j][lane];
             }
         }
         for j in 0..n {
-            for lane in 0..ABREAST {
+            for lane in 0..L {
                 dsum[lane] += by[i * n + j][lane] * z[j];
             }
         }

@@ -25,8 +25,8 @@ use nalgebra::allocator::Allocator;
 use nalgebra::{Const, DefaultAllocator, Dim, Dyn, OMatrix, OVector, U1};
 use pulp::Arch;
 
-use crate::exact::derivatives::{ABREAST, DerivativesAbreast};
-use crate::motion::mass_motion::Waves;
+use crate::exact::derivatives::{ABREAST, DerivativesAbreast, FEW};
+use crate::motion::mass_motion::Asked;
 use crate::structure::connected_masses::{Form, Place, Strain, Structure};
 use crate::{Instants, Motion, Sensitivity, Start};
 
@@ -275,48 +275,57 @@ where
     pub start: OVector<f64, D>,
 }
 
-/// The motion at these instants after an impact, with its derivatives by the parameters at `places`. Waves that are not
-/// asked for may stay empty.
+/// The motion at these instants after an impact, with its derivatives by the parameters at `places`. What is not asked
+/// for may stay empty.
 pub(crate) fn sensitivity(
     system: &LinearSystem,
     start: &Start,
     at: &Instants,
-    waves: Waves,
+    asked: Asked,
     places: &[Place],
 ) -> Sensitivity {
     if places.is_empty() {
         let motions = match system.states {
-            2 => LinearMotion::new(Const::<2>, system, start).march(at),
-            3 => LinearMotion::new(Const::<3>, system, start).march(at),
-            4 => LinearMotion::new(Const::<4>, system, start).march(at),
-            6 => LinearMotion::new(Const::<6>, system, start).march(at),
-            n => LinearMotion::new(Dyn(n), system, start).march(at),
+            2 => LinearMotion::new(Const::<2>, system, start).march(at, asked),
+            3 => LinearMotion::new(Const::<3>, system, start).march(at, asked),
+            4 => LinearMotion::new(Const::<4>, system, start).march(at, asked),
+            6 => LinearMotion::new(Const::<6>, system, start).march(at, asked),
+            n => LinearMotion::new(Dyn(n), system, start).march(at, asked),
         };
         return Sensitivity { motions, derivatives: Vec::new() };
     }
-    let (n, tau_s, arch) = (system.states, system.time_unit_s(), Arch::new());
-    let motion = LinearMotion::new(Dyn(n), system, start);
-    let a = motion.a.transpose();
+    let motion = LinearMotion::new(Dyn(system.states), system, start);
     let mut sensitivity = Sensitivity { motions: Vec::new(), derivatives: Vec::with_capacity(places.len()) };
     for places in places.chunks(ABREAST) {
-        let (mut da, mut start_by) = (vec![[0.0; ABREAST]; n * n], vec![[0.0; ABREAST]; n]);
-        for (lane, place) in places.iter().enumerate() {
-            system.entries_by(*place, tau_s, &mut |row, column, value| {
-                if column < n {
-                    da[row * n + column][lane] += value;
-                }
-            });
-            let state = state_of(system, tau_s, &|mass| place.of_start(mass));
-            start_by.iter_mut().zip(state).for_each(|(lanes, value)| lanes[lane] = value);
-        }
-        let (a, start) = (a.as_slice(), motion.start.as_slice());
-        let (masses, filled, da, start_by) = (system.masses, places.len(), &*da, &*start_by);
-        let abreast = DerivativesAbreast { masses, tau_s, a, da, start, start_by, filled, at, waves };
-        let (motions, derivatives) = arch.dispatch(abreast);
+        let by_some = if places.len() > FEW { by_lanes::<ABREAST> } else { by_lanes::<FEW> };
+        let (motions, derivatives) = by_some((system, &motion), at, asked, places);
         sensitivity.motions = motions;
         sensitivity.derivatives.extend(derivatives);
     }
     sensitivity
+}
+
+/// The motion and its derivatives by at most `L` parameters.
+fn by_lanes<const L: usize>(
+    (system, motion): (&LinearSystem, &LinearMotion<Dyn>),
+    at: &Instants,
+    asked: Asked,
+    places: &[Place],
+) -> (Vec<Motion>, Vec<Vec<Motion>>) {
+    let (n, tau_s, masses) = (system.states, motion.tau_s, system.masses);
+    let (mut da, mut start_by) = (vec![[0.0; L]; n * n], vec![[0.0; L]; n]);
+    for (lane, place) in places.iter().enumerate() {
+        system.entries_by(*place, tau_s, &mut |row, column, value| {
+            if column < n {
+                da[row * n + column][lane] += value;
+            }
+        });
+        let state = state_of(system, tau_s, &|mass| place.of_start(mass));
+        start_by.iter_mut().zip(state).for_each(|(lanes, value)| lanes[lane] = value);
+    }
+    let (a, start, filled) = (motion.a.transpose(), motion.start.as_slice(), places.len());
+    let (a, da, start_by) = (a.as_slice(), &*da, &*start_by);
+    Arch::new().dispatch(DerivativesAbreast { masses, tau_s, a, da, start, start_by, filled, at, asked })
 }
 
 /// The state of masses that are at `[x, v]`.
@@ -368,20 +377,28 @@ where
 
     /// The motion alone. Even and odd instants by steps of twice the interval, side by side: one row of products that
     /// each wait for the one before leaves the processor idle.
-    fn march(&self, at: &Instants) -> Vec<Motion> {
-        let mut motions = vec![Motion::zeros(at.samples, Waves::All); self.masses];
+    fn march(&self, at: &Instants, asked: Asked) -> Vec<Motion> {
+        let mut motions = asked.zeros(at.samples, self.masses);
         let (n, per_tau) = (self.masses, self.tau_s.recip());
+        let (masses, [asks_x, asks_v, asks_a]) = (asked.masses(n), asked.waves.asked());
         let start = if at.first_s > 0.0 { self.exponential(at.first_s) * &self.start } else { self.start.clone() };
         let phi = self.exponential(at.dt_s);
         let twice = &phi * &phi;
         let mut states = [start.clone(), &phi * start];
         for k in (0..at.samples).step_by(2) {
             for (odd, z) in states.iter_mut().enumerate().take(at.samples - k) {
-                let rate = &self.a * &*z;
-                for (i, motion) in motions.iter_mut().enumerate() {
-                    motion.displacement_m[k + odd] = z[i];
-                    motion.velocity_m_per_s[k + odd] = z[n + i] * per_tau;
-                    motion.acceleration_m_per_s2[k + odd] = rate[n + i] * per_tau * per_tau;
+                let rate = asks_a.then(|| &self.a * &*z);
+                for i in masses.clone() {
+                    let motion = &mut motions[i];
+                    if asks_x {
+                        motion.displacement_m[k + odd] = z[i];
+                    }
+                    if asks_v {
+                        motion.velocity_m_per_s[k + odd] = z[n + i] * per_tau;
+                    }
+                    if let Some(rate) = &rate {
+                        motion.acceleration_m_per_s2[k + odd] = rate[n + i] * per_tau * per_tau;
+                    }
                 }
                 *z = &twice * &*z;
             }

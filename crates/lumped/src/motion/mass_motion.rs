@@ -53,6 +53,37 @@ impl Waves {
     }
 }
 
+/// What of a response is asked for: the rest may stay empty, and then costs nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Asked {
+    /// Waves of a motion.
+    pub waves: Waves,
+    /// Index of the mass from the barrier on; `None`: all masses.
+    pub mass: Option<usize>,
+}
+
+impl From<Waves> for Asked {
+    /// Of all masses.
+    fn from(waves: Waves) -> Self {
+        Self { waves, mass: None }
+    }
+}
+
+impl Asked {
+    /// Indices of the masses, of so many.
+    pub(crate) fn masses(self, count: usize) -> std::ops::Range<usize> {
+        self.mass.map_or(0..count, |mass| mass.min(count)..(mass + 1).min(count))
+    }
+
+    /// Motions of so many masses with this many samples of what is asked for, all zero: to be filled in any order.
+    pub(crate) fn zeros(self, samples: usize, count: usize) -> Vec<Motion> {
+        let asked = self.masses(count);
+        let of_mass =
+            |mass: usize| if asked.contains(&mass) { Motion::zeros(samples, self.waves) } else { Motion::default() };
+        (0..count).map(of_mass).collect()
+    }
+}
+
 impl Motion {
     /// This many samples of what is asked for, all zero: to be filled in any order.
     pub(crate) fn zeros(samples: usize, waves: Waves) -> Self {

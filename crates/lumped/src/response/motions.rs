@@ -16,13 +16,12 @@ use crate::exact::derivatives::{Driven, Instant};
 use crate::exact::linear_motion::LinearSystem;
 use crate::exact::{crossing, linear_motion};
 use crate::motion::collision::{Meeting, MeetingState};
-use crate::motion::mass_motion::Waves;
 use crate::series::step::{LinkSeries, ORDER, Series, Step, integral, product};
 use crate::series::walk::{Reader, walk};
 use crate::structure::connected_masses::{Branch, Form, Place, Strain, Structure};
 use crate::{
-    CrushEvents, Drive, Dynamics, Element, ElementForce, Energy, Instants, LumpedError, Motion, Response, Sensitivity,
-    Start, State,
+    Asked, CrushEvents, Drive, Dynamics, Element, ElementForce, Energy, Instants, LumpedError, Motion, Response,
+    Sensitivity, Start, State, Waves,
 };
 
 impl Structure {
@@ -43,21 +42,21 @@ impl Structure {
         self.sensitivity_of(Waves::All, start, at, places)
     }
 
-    /// The same of some waves: others may stay empty.
+    /// The same of what is asked for: other waves and masses may stay empty.
     pub fn sensitivity_of(
         &self,
-        waves: Waves,
+        asked: impl Into<Asked>,
         start: impl Into<Start>,
         at: &Instants,
         places: &[Place],
     ) -> Result<Sensitivity, LumpedError> {
-        let start = start.into();
+        let (start, asked) = (start.into(), asked.into());
         start.check(self.masses_kg().len())?;
         positive("dt_s", at.dt_s)?;
         self.check_places(places)?;
         let sensitivity = match LinearSystem::new(self).filter(|_| self.is_smooth_in(places)) {
-            Some(system) => linear_motion::sensitivity(&system, &start, at, waves, places),
-            None => self.by_series(waves, start, at, places)?,
+            Some(system) => linear_motion::sensitivity(&system, &start, at, asked, places),
+            None => self.by_series(asked, start, at, places)?,
         };
         let motions = || sensitivity.motions.iter().chain(sensitivity.derivatives.iter().flatten());
         match motions().filter_map(Motion::first_not_finite).min() {
@@ -82,12 +81,12 @@ impl Structure {
 
     fn by_series(
         &self,
-        waves: Waves,
+        asked: Asked,
         start: Start,
         at: &Instants,
         places: &[Place],
     ) -> Result<Sensitivity, LumpedError> {
-        let zeros = || vec![Motion::zeros(at.samples, waves); self.masses_kg().len()];
+        let zeros = || asked.zeros(at.samples, self.masses_kg().len());
         let mut motions = zeros();
         let mut derivatives: Vec<Vec<Motion>> = places.iter().map(|_| zeros()).collect();
         let mut reader = Reader::new(at);
@@ -122,6 +121,25 @@ impl Structure {
     /// What does not happen until the horizon is none; of a linear structure neither what would happen after all its
     /// modes are dead. Errors: a horizon that is not positive, a motion that cannot be followed.
     pub fn events(&self, impact_speed_m_per_s: f64, horizon_s: f64) -> Result<Vec<CrushEvents>, LumpedError> {
+        self.events_until(impact_speed_m_per_s, horizon_s, |events| {
+            events.iter().all(|event| event.time_of_rebound_s.is_some())
+        })
+    }
+
+    /// The dynamic crush of the last mass alone, m, as [`events`](Self::events) gives it: the motion is followed no
+    /// further. Errors: as there.
+    pub fn dynamic_crush_m(&self, impact_speed_m_per_s: f64, horizon_s: f64) -> Result<Option<f64>, LumpedError> {
+        let stops = |events: &[CrushEvents]| events.last().is_none_or(|last| last.dynamic_crush_m.is_some());
+        Ok(self.events_until(impact_speed_m_per_s, horizon_s, stops)?.last().and_then(|last| last.dynamic_crush_m))
+    }
+
+    /// The events up to the end of the step after which `are_enough`; of a linear structure all.
+    fn events_until(
+        &self,
+        impact_speed_m_per_s: f64,
+        horizon_s: f64,
+        are_enough: impl Fn(&[CrushEvents]) -> bool,
+    ) -> Result<Vec<CrushEvents>, LumpedError> {
         if horizon_s.is_nan() || horizon_s <= 0.0 {
             return Err(LumpedError::Value { name: "horizon_s", value: horizon_s, expected: "a positive time" });
         }
@@ -151,7 +169,7 @@ impl Structure {
                     event.rebound_velocity_m_per_s = Some(step.state(mass, tau).velocity_m_per_s);
                 }
             }
-            events.iter().any(|event| event.time_of_rebound_s.is_none())
+            !are_enough(&events)
         })?;
         Ok(events)
     }

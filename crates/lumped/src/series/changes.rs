@@ -6,59 +6,61 @@
 //! continuous, therefore so are the changes of displacement and velocity: the instant at which an event happens adds
 //! nothing. What an element remembers from the event on (the permanent set) is one more number that changes.
 //!
-//! Several parameters are expanded side by side ([`ABREAST`]). The derivatives are those of the motion as computed,
-//! right to rounding; an acceleration has a kink at an event, where one of its two one-sided derivatives is given.
+//! Several parameters are expanded side by side, [`ABREAST`] or [`FEW`]; each lane does the operations of a single
+//! derivative in the same order, hence the same bits for any number. The derivatives are those of the motion as
+//! computed, right to rounding; an acceleration has a kink at an event, where one of its two one-sided derivatives is
+//! given.
 
 use pulp::{Arch, Simd, WithSimd};
 
+use crate::Element;
+use crate::exact::derivatives::{ABREAST, FEW, Lanes};
 use crate::series::step::{LinkSeries, ORDER, Series, Step};
 use crate::structure::connected_masses::{Branch, Form, Law, Place, Strain, Structure};
 
-/// Parameters whose changes are expanded side by side: each sum of products is a chain that waits for itself, and the
-/// others fill the time.
-pub(crate) const ABREAST: usize = 8;
-
-type Lanes = [f64; ABREAST];
 /// Coefficients by order, then by parameter.
-type LaneSeries = [Lanes; ORDER + 1];
-const NO_SERIES: LaneSeries = [[0.0; ABREAST]; ORDER + 1];
+type LaneSeries<const L: usize> = [Lanes<L>; ORDER + 1];
 
 /// Change of the motion of a node.
 #[derive(Clone)]
-struct NodeChange {
-    x: LaneSeries,
-    v: LaneSeries,
-    a: LaneSeries,
+struct NodeChange<const L: usize> {
+    x: LaneSeries<L>,
+    v: LaneSeries<L>,
+    a: LaneSeries<L>,
 }
 
 /// Change of what an element feels and remembers, and of its law.
 #[derive(Clone)]
-struct LinkChange {
-    u: LaneSeries,
-    w: LaneSeries,
-    z: LaneSeries,
+struct LinkChange<const L: usize> {
+    u: LaneSeries<L>,
+    w: LaneSeries<L>,
+    z: LaneSeries<L>,
     has_inner: bool,
-    set: Lanes,
-    law: [Form; ABREAST],
-    inner: [Form; ABREAST],
+    set: Lanes<L>,
+    law: [Form; L],
+    inner: [Form; L],
 }
 
-/// The changes by a few parameters.
-struct Block {
-    places: [Option<Place>; ABREAST],
-    nodes: Vec<NodeChange>,
-    links: Vec<LinkChange>,
+/// The changes by a few parameters: each sum of products is a chain that waits for itself, and the others fill the
+/// time.
+struct Block<const L: usize> {
+    places: [Option<Place>; L],
+    nodes: Vec<NodeChange<L>>,
+    links: Vec<LinkChange<L>>,
 }
 
-/// The changes by all parameters asked for.
+/// The changes by all parameters asked for: whole blocks, and a narrow one where few are left.
 pub(crate) struct Changes {
-    blocks: Vec<Block>,
+    blocks: Vec<Block<ABREAST>>,
+    last: Option<Block<FEW>>,
+    /// Of each element, over the last step.
+    linearised: Vec<Linearised>,
     arch: Option<Arch>,
 }
 
 /// `sum += factor * terms`, lane by lane.
 #[inline(always)]
-fn add(sum: &mut Lanes, factor: f64, terms: &Lanes) {
+fn add<const L: usize>(sum: &mut Lanes<L>, factor: f64, terms: &Lanes<L>) {
     for (sum, term) in sum.iter_mut().zip(terms) {
         *sum += factor * term;
     }
@@ -66,7 +68,7 @@ fn add(sum: &mut Lanes, factor: f64, terms: &Lanes) {
 
 /// Differences lane by lane.
 #[inline(always)]
-fn minus(a: &Lanes, b: &Lanes) -> Lanes {
+fn minus<const L: usize>(a: &Lanes<L>, b: &Lanes<L>) -> Lanes<L> {
     std::array::from_fn(|p| a[p] - b[p])
 }
 
@@ -75,8 +77,8 @@ fn minus(a: &Lanes, b: &Lanes) -> Lanes {
 /// In two sums that need not wait for each other; the newest coefficient comes last, so that the others need not wait
 /// for it.
 #[inline(always)]
-fn lane_product(series: &Series, change: &LaneSeries, k: usize) -> Lanes {
-    let mut sums = [[0.0; ABREAST]; 2];
+fn lane_product<const L: usize>(series: &Series, change: &LaneSeries<L>, k: usize) -> Lanes<L> {
+    let mut sums = [[0.0; L]; 2];
     let (series, change) = (&series[..=k], &change[..=k]);
     let mut i = 0;
     while i < k {
@@ -132,7 +134,7 @@ impl Linearised {
     /// Coefficient `k` of the change of the force with changes of compression and rate; those of the rate come last,
     /// since the newest one is known last.
     #[inline(always)]
-    fn add_to(&self, mut direct: Lanes, u: &LaneSeries, w: &LaneSeries, k: usize) -> Lanes {
+    fn add_to<const L: usize>(&self, mut direct: Lanes<L>, u: &LaneSeries<L>, w: &LaneSeries<L>, k: usize) -> Lanes<L> {
         if self.is_linear {
             add(&mut direct, self.by_u[0], &u[k]);
             add(&mut direct, self.by_w[0], &w[k]);
@@ -146,8 +148,8 @@ impl Linearised {
 
 /// Values of changes at `tau`.
 #[inline(always)]
-fn at(change: &LaneSeries, tau: f64) -> Lanes {
-    let mut sum = [0.0; ABREAST];
+fn at<const L: usize>(change: &LaneSeries<L>, tau: f64) -> Lanes<L> {
+    let mut sum = [0.0; L];
     for terms in change.iter().rev() {
         for (sum, term) in sum.iter_mut().zip(terms) {
             *sum = *sum * tau + term;
@@ -167,47 +169,35 @@ fn place_in(place: Option<Place>, link: usize) -> Option<usize> {
 impl Changes {
     /// At the start nothing has changed yet but the start itself.
     pub fn at_start(structure: &Structure, places: &[Place]) -> Self {
-        let node = NodeChange { x: NO_SERIES, v: NO_SERIES, a: NO_SERIES };
-        let link = LinkChange {
-            u: NO_SERIES,
-            w: NO_SERIES,
-            z: NO_SERIES,
-            has_inner: false,
-            set: [0.0; ABREAST],
-            law: [Form::ZERO; ABREAST],
-            inner: [Form::ZERO; ABREAST],
-        };
-        let block = |places: &[Place]| {
-            let links = structure
-                .joined()
-                .map(|(element, _)| LinkChange { has_inner: element.law().inner_rate().is_some(), ..link.clone() })
-                .collect();
-            let mut nodes = vec![node.clone(); structure.masses_kg().len() + 1];
-            for (p, place) in places.iter().enumerate() {
-                for (mass, node) in nodes[..structure.masses_kg().len()].iter_mut().enumerate() {
-                    [node.x[0][p], node.v[0][p]] = place.of_start(mass);
-                }
-            }
-            Block { places: std::array::from_fn(|p| places.get(p).copied()), nodes, links }
-        };
-        let blocks: Vec<Block> = places.chunks(ABREAST).map(block).collect();
-        Self { arch: (!blocks.is_empty()).then(Arch::new), blocks }
+        let few = if (1..=FEW).contains(&(places.len() % ABREAST)) { places.len() % ABREAST } else { 0 };
+        let (whole, few) = places.split_at(places.len() - few);
+        Self {
+            blocks: whole.chunks(ABREAST).map(|places| Block::at_start(structure, places)).collect(),
+            last: (!few.is_empty()).then(|| Block::at_start(structure, few)),
+            linearised: Vec::new(),
+            arch: (!places.is_empty()).then(Arch::new),
+        }
     }
 
     /// The series of the changes over a step of the motion.
     pub fn expand(&mut self, structure: &Structure, step: &Step) {
         let Some(arch) = self.arch else { return };
         self.blocks.iter_mut().for_each(|block| block.change_laws(structure, step));
+        self.last.iter_mut().for_each(|block| block.change_laws(structure, step));
         let law = step.law_of_one_mass();
-        let changes = self.blocks.iter().flat_map(|block| &block.links).flat_map(|link| &link.law);
-        let is_mixed = changes.map(|law| law.uw).any(|uw| uw != 0.0);
+        let is_mixed = self.blocks.iter().any(Block::is_mixed) || self.last.iter().any(Block::is_mixed);
         // All elements of one mass feel the same.
         let links = if law.is_some() { &step.links[..1] } else { &step.links[..] };
-        let linearised: Vec<Linearised> = arch.dispatch(|| {
-            links.iter().map(|link| Linearised::new(law.as_ref().unwrap_or(&link.law), link, is_mixed)).collect()
+        self.linearised.clear();
+        arch.dispatch(|| {
+            let linearised = |link: &LinkSeries| Linearised::new(law.as_ref().unwrap_or(&link.law), link, is_mixed);
+            self.linearised.extend(links.iter().map(linearised));
         });
         for block in &mut self.blocks {
-            arch.dispatch(Expand { block, step, law, linearised: &linearised });
+            arch.dispatch(Expand { block, step, law, linearised: &self.linearised });
+        }
+        if let Some(block) = &mut self.last {
+            arch.dispatch(Expand { block, step, law, linearised: &self.linearised });
         }
     }
 
@@ -215,45 +205,88 @@ impl Changes {
     pub fn advance(&mut self, length_s: f64) {
         let Some(arch) = self.arch else { return };
         arch.dispatch(|| {
-            for block in &mut self.blocks {
-                // The barrier does not change, nor what is not there.
-                let masses = block.nodes.len() - 1;
-                for node in &mut block.nodes[..masses] {
-                    (node.x[0], node.v[0]) = (at(&node.x, length_s), at(&node.v, length_s));
-                }
-                for link in block.links.iter_mut().filter(|link| link.has_inner) {
-                    link.z[0] = at(&link.z, length_s);
-                }
-            }
+            self.blocks.iter_mut().for_each(|block| block.advance(length_s));
+            self.last.iter_mut().for_each(|block| block.advance(length_s));
         });
     }
 
     /// An element goes to its next branch, between two steps.
-    pub fn enter(&mut self, law: &dyn Law, link: usize, before: &Branch, strain: Strain, [front, rear]: [usize; 2]) {
-        for block in &mut self.blocks {
-            let by_u = minus(&block.nodes[rear].x[0], &block.nodes[front].x[0]);
-            for ((set, by_u), place) in block.links[link].set.iter_mut().zip(by_u).zip(block.places) {
-                *set = law.set_by(before, strain, by_u, place_in(place, link), *set);
-            }
-        }
+    pub fn enter(&mut self, law: &dyn Law, link: usize, before: &Branch, strain: Strain, nodes: [usize; 2]) {
+        self.blocks.iter_mut().for_each(|block| block.enter(law, link, before, strain, nodes));
+        self.last.iter_mut().for_each(|block| block.enter(law, link, before, strain, nodes));
     }
 
     /// Series of the change of a mass by a parameter: of its displacement (`wave` 0), velocity (1) or acceleration (2).
     pub fn series(&self, mass: usize, parameter: usize, wave: usize) -> Series {
-        let node = &self.blocks[parameter / ABREAST].nodes[mass];
-        let series = [&node.x, &node.v, &node.a][wave];
-        std::array::from_fn(|k| series[k][parameter % ABREAST])
+        let lane = parameter % ABREAST;
+        match (self.blocks.get(parameter / ABREAST), &self.last) {
+            (Some(block), _) => block.series(mass, lane, wave),
+            (None, Some(block)) => block.series(mass, lane, wave),
+            (None, None) => [0.0; ORDER + 1],
+        }
     }
 }
 
-impl Block {
+impl<const L: usize> Block<L> {
+    fn at_start(structure: &Structure, places: &[Place]) -> Self {
+        let none = [[0.0; L]; ORDER + 1];
+        let link = |(element, _): (&Element, [usize; 2])| LinkChange {
+            u: none,
+            w: none,
+            z: none,
+            has_inner: element.law().inner_rate().is_some(),
+            set: [0.0; L],
+            law: [Form::ZERO; L],
+            inner: [Form::ZERO; L],
+        };
+        let masses = structure.masses_kg().len();
+        let mut nodes = vec![NodeChange { x: none, v: none, a: none }; masses + 1];
+        for (p, place) in places.iter().enumerate() {
+            for (mass, node) in nodes[..masses].iter_mut().enumerate() {
+                [node.x[0][p], node.v[0][p]] = place.of_start(mass);
+            }
+        }
+        let links = structure.joined().map(link).collect();
+        Self { places: std::array::from_fn(|p| places.get(p).copied()), nodes, links }
+    }
+
+    /// Whether a parameter changes what is multiplied with the product of compression and rate.
+    fn is_mixed(&self) -> bool {
+        self.links.iter().flat_map(|link| &link.law).any(|law| law.uw != 0.0)
+    }
+
+    #[inline(always)]
+    fn advance(&mut self, length_s: f64) {
+        // The barrier does not change, nor what is not there.
+        let masses = self.nodes.len() - 1;
+        for node in &mut self.nodes[..masses] {
+            (node.x[0], node.v[0]) = (at(&node.x, length_s), at(&node.v, length_s));
+        }
+        for link in self.links.iter_mut().filter(|link| link.has_inner) {
+            link.z[0] = at(&link.z, length_s);
+        }
+    }
+
+    fn enter(&mut self, law: &dyn Law, link: usize, before: &Branch, strain: Strain, [front, rear]: [usize; 2]) {
+        let by_u = minus(&self.nodes[rear].x[0], &self.nodes[front].x[0]);
+        for ((set, by_u), place) in self.links[link].set.iter_mut().zip(by_u).zip(self.places) {
+            *set = law.set_by(before, strain, by_u, place_in(place, link), *set);
+        }
+    }
+
+    fn series(&self, mass: usize, lane: usize, wave: usize) -> Series {
+        let node = &self.nodes[mass];
+        let series = [&node.x, &node.v, &node.a][wave];
+        std::array::from_fn(|k| series[k][lane])
+    }
+
     /// What each parameter changes in the law of each element on its branch.
     fn change_laws(&mut self, structure: &Structure, step: &Step) {
         let elements = structure.connections().iter().zip(&step.branches);
         for (link, (change, (connection, branch))) in self.links.iter_mut().zip(elements).enumerate() {
             let law = connection.element.law();
             let by_set = law.force_by_set(branch);
-            for p in 0..ABREAST {
+            for p in 0..L {
                 let own = place_in(self.places[p], link);
                 let direct = own.map_or(Form::ZERO, |parameter| law.force_by(branch, parameter));
                 change.law[p] = direct.plus(change.set[p], &by_set);
@@ -266,7 +299,7 @@ impl Block {
     #[inline(always)]
     fn expand_one_mass(&mut self, step: &Step, law: &Form, linearised: &Linearised) {
         let (node, per_mass) = (&step.nodes[0], step.per_mass[0]);
-        let mut by = [Form::ZERO; ABREAST];
+        let mut by = [Form::ZERO; L];
         for (p, by) in by.iter_mut().enumerate() {
             let own = if self.places[p] == Some(Place::Mass(0)) { -per_mass } else { 0.0 };
             let of_links = self.links.iter().fold(Form::ZERO, |sum, link| sum.plus(-per_mass, &link.law[p]));
@@ -277,7 +310,7 @@ impl Block {
         let by_terms = terms.map(|term| by.map(|form| term(&form)));
         let NodeChange { x, v, a } = &mut self.nodes[0];
         for k in 0..=ORDER {
-            let mut now = if k == 0 { by.map(|form| form.constant) } else { [0.0; ABREAST] };
+            let mut now = if k == 0 { by.map(|form| form.constant) } else { [0.0; L] };
             let values = [node.x[k], node.v[k], linearised.uu[k], linearised.ww[k], linearised.uw[k]];
             for (by, value) in by_terms.iter().zip(values) {
                 add(&mut now, value, by);
@@ -293,8 +326,8 @@ impl Block {
 }
 
 /// The changes of a block over one step.
-struct Expand<'a> {
-    block: &'a mut Block,
+struct Expand<'a, const L: usize> {
+    block: &'a mut Block<L>,
     step: &'a Step,
     /// The acceleration of the only mass.
     law: Option<Form>,
@@ -302,7 +335,7 @@ struct Expand<'a> {
     linearised: &'a [Linearised],
 }
 
-impl WithSimd for Expand<'_> {
+impl<const L: usize> WithSimd for Expand<'_, L> {
     type Output = ();
 
     #[inline(always)]
@@ -316,10 +349,10 @@ impl WithSimd for Expand<'_> {
             Some(Place::Mass(mass)) => *mass,
             _ => usize::MAX,
         };
-        let masses: [usize; ABREAST] = std::array::from_fn(|p| of_mass(&block.places[p]));
+        let masses: [usize; L] = std::array::from_fn(|p| of_mass(&block.places[p]));
         for k in 0..=ORDER {
             for node in &mut block.nodes {
-                node.a[k] = [0.0; ABREAST];
+                node.a[k] = [0.0; L];
             }
             for ((link, change), linearised) in step.links.iter().zip(&mut block.links).zip(linearised) {
                 let [front, rear] = link.nodes;
@@ -346,10 +379,15 @@ impl WithSimd for Expand<'_> {
 
 /// Coefficient `k` of the change of a force; that of the rate of the inner state goes into its series.
 #[inline(always)]
-fn force_change(link: &LinkSeries, change: &mut LinkChange, linearised: &Linearised, k: usize) -> Lanes {
+fn force_change<const L: usize>(
+    link: &LinkSeries,
+    change: &mut LinkChange<L>,
+    linearised: &Linearised,
+    k: usize,
+) -> Lanes<L> {
     let (one, u, w, z) = (if k == 0 { 1.0 } else { 0.0 }, link.u[k], link.w[k], link.z[k]);
     let (uu, ww, uw) = (linearised.uu[k], linearised.ww[k], linearised.uw[k]);
-    let mut force = [0.0; ABREAST];
+    let mut force = [0.0; L];
     for (force, by) in force.iter_mut().zip(&change.law) {
         *force = by.constant * one + by.u * u + by.w * w + by.z * z + by.uu * uu + by.ww * ww + by.uw * uw;
     }
@@ -358,7 +396,7 @@ fn force_change(link: &LinkSeries, change: &mut LinkChange, linearised: &Lineari
         add(&mut force, link.law.z, &change.z[k]);
         if k < ORDER {
             let factor = 1.0 / (k + 1) as f64;
-            for p in 0..ABREAST {
+            for p in 0..L {
                 let by = &change.inner[p];
                 let rate = inner.u * change.u[k][p] + inner.w * change.w[k][p] + inner.z * change.z[k][p];
                 change.z[k + 1][p] = (rate + by.u * u + by.w * w + by.z * z) * factor;

@@ -333,6 +333,7 @@ impl Reader {
         for (node, motion) in step.nodes.iter().zip(motions) {
             let out = motion.waves_mut().map(|wave| wave.get_mut(at.clone()).unwrap_or_default());
             match out {
+                [[], [], []] => {}
                 // One wave and few instants: nothing is dispatched for them.
                 [x, [], []] => {
                     for from in (0..x.len()).step_by(LANES) {

@@ -1,8 +1,9 @@
 //! Structures of any elements between any nodes: presets and closed forms, derivatives, energies, load paths.
 
 use crumple_lumped::{
-    Connection, Damper, Drive, Elastoplastic, Element, Instants, Kelvin, LumpedError, Maxwell, Model, Motion, Node,
-    PiecewiseLinear, Place, PlasticSpring, SeriesSpringDamper, Spring, State, Structure,
+    Asked, Connection, Damper, Drive, Elastoplastic, Element, HORIZON_S, Instants, Kelvin, LumpedError, Maxwell, Model,
+    ModelKind, Motion, Node, PiecewiseLinear, Place, PlasticSpring, SeriesSpringDamper, Spring, State, Structure,
+    Waves,
 };
 use proptest::prelude::*;
 
@@ -271,6 +272,41 @@ fn derivatives_by_every_parameter_agree_with_central_differences() {
         }
         let moves = |motion: &Motion| largest(&motion.displacement_m) * scale > 1e-5;
         assert!(found.derivatives[p].iter().any(moves), "parameter {p} changes nothing");
+    }
+}
+
+/// A linear structure of two masses, and every place of it.
+fn linear() -> (Structure, Vec<Place>) {
+    let values = [300.0, 900.0, 5e5, 8e5, 9e3, 5e3];
+    let model = Model::of_values(ModelKind::DoubleSpringMassDamper, &values).unwrap();
+    (model.structure().unwrap(), model.places())
+}
+
+#[test]
+fn a_derivative_is_the_same_to_the_last_bit_beside_any_others_and_of_one_mass_alone() {
+    let all_places: Vec<Place> = places().into_iter().map(|(place, _)| place).collect();
+    let at = Instants { first_s: 0.01, dt_s: 1e-3, samples: 60 };
+    for (structure, places) in [(every_element([1.0; 12]), all_places), linear()] {
+        let whole = structure.sensitivity(V0, &at, &places).unwrap();
+        for count in [1, 3, 5, 6] {
+            let first = places.len() - count;
+            let asked = Asked { waves: Waves::Velocity, mass: Some(1) };
+            let few = structure.sensitivity_of(asked, V0, &at, &places[first..]).unwrap();
+            assert_eq!(few.motions[0], Motion::default());
+            assert_eq!(few.motions[1].velocity_m_per_s, whole.motions[1].velocity_m_per_s);
+            for (few, whole) in few.derivatives.iter().zip(&whole.derivatives[first..]) {
+                assert_eq!(few[1].velocity_m_per_s, whole[1].velocity_m_per_s, "{count}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_dynamic_crush_alone_is_that_of_all_events() {
+    for structure in [every_element([1.0; 12]), linear().0] {
+        let crush = structure.events(V0, HORIZON_S).unwrap()[1].dynamic_crush_m;
+        assert!(crush.is_some());
+        assert_eq!(structure.dynamic_crush_m(V0, HORIZON_S).unwrap(), crush);
     }
 }
 

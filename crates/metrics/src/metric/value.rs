@@ -83,6 +83,13 @@ impl Interval {
         let by = IntervalBy::Replicates(values.len());
         (low.is_finite() && high.is_finite()).then_some(Self { low, high, by })
     }
+
+    /// The same, widened where it does not hold the value itself: an error of the inputs adds to a magnitude of nearly
+    /// zero and never takes from it, so that the repetitions lie on one side of the value.
+    #[must_use]
+    pub fn holding(self, value: f64) -> Self {
+        Self { low: self.low.min(value), high: self.high.max(value), ..self }
+    }
 }
 
 impl Metric {
@@ -184,6 +191,11 @@ mod tests {
         assert!((interval.low - 5.0).abs() < 1e-12 && (interval.high - 95.0).abs() < 1e-12);
         assert_eq!(interval.by.to_string(), "5-95 % of 101 replicates");
         assert_eq!(Interval::of_replicates(vec![2.0]).map(|i| (i.low, i.high)), Some((2.0, 2.0)));
+        // A magnitude of nothing, to which every error adds.
+        let (low, high) = (interval.low, interval.high);
+        assert_eq!(interval.holding(0.0), Interval { low: 0.0, ..interval });
+        assert_eq!(interval.holding(50.0), Interval { low, high, ..interval });
+        assert_eq!(interval.holding(100.0), Interval { high: 100.0, ..interval });
         assert_eq!(Interval::of_replicates(vec![]), None);
     }
 }

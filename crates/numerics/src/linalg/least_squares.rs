@@ -42,11 +42,12 @@ pub fn nonnegative_least_squares(a: &DMatrix<f64>, b: &DVector<f64>) -> (DVector
             .max_by(|&i, &j| slope[i].total_cmp(&slope[j]));
         let Some(entering) = entering else { break };
         free[entering] = true;
-        if solve(&a, &b, &free).is_none() {
+        let mut solved = solve(&a, &b, &free);
+        if solved.is_none() {
             (free[entering], dependent[entering]) = (false, true);
             continue;
         }
-        while let Some(solution) = solve(&a, &b, &free) {
+        while let Some(solution) = solved {
             // As far as the first that would turn negative.
             let blocking = (0..n)
                 .filter(|&i| free[i] && solution[i] <= 0.0)
@@ -59,6 +60,7 @@ pub fn nonnegative_least_squares(a: &DMatrix<f64>, b: &DVector<f64>) -> (DVector
             x += (solution - &x) * share;
             x[place] = 0.0;
             free[place] = false;
+            solved = solve(&a, &b, &free);
         }
     }
     (DVector::from_fn(n, |i, _| x[i] / lengths[i]), free)

@@ -294,7 +294,7 @@ remarks! {
     /// The Maxwell model is not found from exponents, and another method finds it.
     CR553 OtherWayForMaxwell {}
     bears on (About::Model(String::new()), Weight::None)
-    decided "Sums of exponentials are looked for below /model/. Another method that is asked for solves this model."
+    decided "Sums of 3 exponentials are looked for below /model/. Another method that is asked for solves this model."
     means "The other method makes the Maxwell candidate."
     remedy "nothing"
     says NO_SUM;

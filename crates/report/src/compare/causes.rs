@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::drawing::numbers::ABSENT;
-use crate::phrases::words;
+use crate::words;
 
 use super::expected::Expected;
 use super::settings::{limits_of, options_of, programs_of, settings_of};

@@ -4,23 +4,27 @@ use std::collections::BTreeSet;
 
 use crumple_diff::DiffError;
 
-use crate::phrases::PHRASES;
-
 use crate::drawing::escape::{address, html};
 use crate::drawing::numbers::ABSENT;
 use crate::findings::{HEAD, conclusion, markdown};
-use crate::phrases::RunTexts;
-use crate::phrases::words::fill;
 
 use super::compared_run::ComparedRun;
 use super::expected::within;
 use super::figure::figure;
+use super::first_screen::command_again;
 use super::numbers::number_rows;
 use super::quantities::engineering;
 use super::settings;
 use super::table::{Row, to_html, to_lines, to_markdown};
-use crate::frame::{FIGURES, framed, words_of_figures};
+use crate::frame::{FIGURES, framed};
 use crate::page::figures;
+use crate::page::key_numbers::KEY_NUMBERS;
+
+/// Heads the column of names of the key numbers.
+const NUMBER: &str = "Number";
+
+/// Heads the column of names of what the runs were made with.
+const SETTING: &str = "Setting";
 
 /// Several runs beside each other.
 #[derive(Debug)]
@@ -37,16 +41,15 @@ impl<'a> RunComparison<'a> {
     ///
     /// Errors: a limit is none.
     pub fn new(runs: &'a [ComparedRun]) -> Result<Self, DiffError> {
-        let texts = &PHRASES.runs;
         let limits = runs.first().map(|run| run.limits.clone()).unwrap_or_default();
         let [numbers, models, predictions] = number_rows(runs, &within(&engineering(), &limits)?);
         let made = settings::rows(runs);
-        let sentences = vec![made_of(runs, &made, texts), what_differs(&numbers, &models, !limits.is_empty(), texts)];
+        let sentences = vec![made_of(runs, &made), what_differs(&numbers, &models, !limits.is_empty())];
         let mut tables = vec![
-            (texts.key_numbers, texts.number, numbers),
-            (texts.recommended_models, texts.of_the_model, models),
-            (texts.predictions, texts.prediction, predictions),
-            (texts.made_with, texts.setting, made),
+            (KEY_NUMBERS, NUMBER, numbers),
+            ("Recommended models", "Of the model", models),
+            ("Predictions of the recommended models", "Prediction", predictions),
+            ("What the runs were made with", SETTING, made),
         ];
         tables.retain(|(_, _, rows)| !rows.is_empty());
         Ok(Self { runs, names: runs.iter().map(|run| run.name.clone()).collect(), tables, sentences })
@@ -59,12 +62,11 @@ impl<'a> RunComparison<'a> {
 
     /// The key numbers and what of the models and predictions differs, as lines of a terminal: a column a run.
     pub fn lines(&self) -> Vec<String> {
-        let texts = &PHRASES.runs;
-        let is_number = |of: &str| of == texts.number;
+        let is_number = |of: &str| of == NUMBER;
         let rows = self
             .tables
             .iter()
-            .filter(|(_, of, _)| *of != texts.setting)
+            .filter(|(_, of, _)| *of != SETTING)
             .flat_map(|(_, of, rows)| rows.iter().filter(move |row| is_number(of) || row.differs()));
         let shown: Vec<&Row> = rows.collect();
         to_lines(&self.names, &shown)
@@ -73,18 +75,16 @@ impl<'a> RunComparison<'a> {
     /// The page.
     pub fn to_html(&self) -> String {
         let drawn: Vec<_> = figure(self.runs).into_iter().collect();
-        let texts = &PHRASES.runs;
         let title = self.title();
         let said: String = self.sentences.iter().map(|text| format!("<p>{}</p>\n", html(text))).collect();
         let mut body = format!(
-            "<header>\n<p class=\"brand\">{}</p>\n<h1>{title}</h1>\n\
-             <section class=\"verdict\" aria-label=\"{}\">\n{said}</section>\n</header>\n<main>\n",
-            texts.comparison_brand, texts.what_differs
+            "<header>\n<p class=\"brand\">Crumple · comparison of runs</p>\n<h1>{title}</h1>\n\
+             <section class=\"verdict\" aria-label=\"What differs\">\n{said}</section>\n</header>\n<main>\n"
         );
         let mut figures_to_come = Some(&drawn);
         for (heading, of, rows) in &self.tables {
             // Figures go before the settings.
-            if *of == texts.setting
+            if *of == SETTING
                 && let Some(drawn) = figures_to_come.take()
             {
                 figures::write(&mut body, drawn, "h2");
@@ -92,7 +92,7 @@ impl<'a> RunComparison<'a> {
             let table = to_html(of, &self.names, rows);
             body.push_str(&format!("<section>\n<h2>{heading}</h2>\n{table}</section>\n"));
         }
-        body.push_str(&format!("<section>\n<h2>{}</h2>\n", texts.what_each_says));
+        body.push_str("<section>\n<h2>What each run says</h2>\n");
         for run in self.runs {
             let name = match &run.report {
                 Some(report) => format!("<a href=\"{}\">{}</a>", address(report), html(&run.name)),
@@ -102,21 +102,22 @@ impl<'a> RunComparison<'a> {
             let lines = std::iter::once(said.status_sentence).chain(said.sentences);
             let said: String = lines.map(|text| format!("<p>{}</p>\n", html(&text))).collect();
             let warnings = concerns.first().map_or_else(String::new, |first| {
-                let template = if concerns.len() == 1 { texts.one_gravest } else { texts.gravest };
-                let filled = [("count", concerns.len().to_string()), ("text", html(&first.text))];
-                format!("<p class=\"caption\">{}</p>\n", fill(template, &filled))
+                let counted = match concerns.len() {
+                    1 => "1 warning".to_owned(),
+                    n => format!("{n} warnings, the gravest"),
+                };
+                format!("<p class=\"caption\">{counted}: {}</p>\n", html(&first.text))
             });
             body.push_str(&format!("<h3>{name}</h3>\n{said}{warnings}"));
         }
         body.push_str("</section>\n");
-        body.push_str(&words_of_figures());
         body.push_str("</main>\n");
         let style = [include_str!("style.css"), &figures::toggle_rules(drawn.iter())].concat();
         framed(&title, &style, &body, FIGURES)
     }
 
     fn title(&self) -> String {
-        fill(PHRASES.runs.compared, &[("count", self.runs.len().to_string())])
+        format!("{} runs compared", self.runs.len())
     }
 
     /// The tables as Markdown, for a merge request; `again` is the command that makes it.
@@ -128,39 +129,33 @@ impl<'a> RunComparison<'a> {
         for (heading, of, rows) in &self.tables {
             text.push_str(&format!("\n### {heading}\n\n{}", to_markdown(of, &self.names, rows)));
         }
-        text.push_str(&format!("\n### {}\n\n```sh\n{again}\n```\n", PHRASES.runs.again));
-        text
+        text + &command_again(again)
     }
 }
 
 /// `3 runs of one record; 2 settings differ: filter.cfc, filter.mode.`
-fn made_of(runs: &[ComparedRun], made: &[Row], texts: &RunTexts) -> String {
+fn made_of(runs: &[ComparedRun], made: &[Row]) -> String {
     let records: BTreeSet<String> = runs.iter().map(settings::record_of).collect();
-    let of = match records.len() {
-        1 => texts.of_one_record.to_owned(),
-        n => fill(texts.of_records, &[("count", n.to_string())]),
+    let records = match records.len() {
+        1 => "one record".to_owned(),
+        n => format!("{n} records"),
     };
     let settings: Vec<&str> =
         made.iter().filter(|row| row.name.contains('.') && row.differs()).map(|row| row.name.as_str()).collect();
     /// Settings that are named.
     const NAMED: usize = 6;
-    let template = match settings.len() {
-        0 => texts.same_settings,
-        1 => texts.one_setting_differs,
-        _ => texts.settings_differ,
+    let differ = match settings.len() {
+        0 => return format!("{} runs of {records}, made with the same settings.", runs.len()),
+        1 => "1 setting differs".to_owned(),
+        n => format!("{n} settings differ"),
     };
-    let filled = [
-        ("runs", runs.len().to_string()),
-        ("records", of),
-        ("count", settings.len().to_string()),
-        ("names", settings[..settings.len().min(NAMED)].join(", ")),
-        ("more", if settings.len() > NAMED { ", …" } else { "" }.to_owned()),
-    ];
-    fill(template, &filled)
+    let names = settings[..settings.len().min(NAMED)].join(", ");
+    let more = if settings.len() > NAMED { ", …" } else { "" };
+    format!("{} runs of {records}; {differ}: {names}{more}.", runs.len())
 }
 
 /// Which numbers and parameters are apart by more than the tolerance, or than limits of the first run's own.
-fn what_differs(numbers: &[Row], models: &[Row], has_own_limits: bool, texts: &RunTexts) -> String {
+fn what_differs(numbers: &[Row], models: &[Row], has_own_limits: bool) -> String {
     let differing = |rows: &[Row]| -> Vec<String> {
         rows.iter().filter(|row| row.differs()).map(|row| symbol(&row.name).to_owned()).collect()
     };
@@ -171,19 +166,23 @@ fn what_differs(numbers: &[Row], models: &[Row], has_own_limits: bool, texts: &R
     }
     let one_model = models.first().is_some_and(|row| !row.differs());
     match (one_model, of_models.is_empty()) {
-        (true, false) => parts.push(fill(texts.of_common_model, &[("names", of_models.join(", "))])),
+        (true, false) => parts.push(format!("of the model that all recommend: {}", of_models.join(", "))),
         (false, _) if !models.is_empty() => {
             let mut names: Vec<&str> = models[0].cells.iter().map(|cell| cell.text.as_str()).collect();
             names.dedup();
-            let names: Vec<&str> =
-                names.into_iter().map(|name| if name == ABSENT { texts.no_model } else { name }).collect();
-            parts.push(fill(texts.other_models, &[("names", names.join("; "))]));
+            let names: Vec<&str> = names.into_iter().map(|name| if name == ABSENT { "none" } else { name }).collect();
+            parts.push(format!("the recommended model ({})", names.join("; ")));
         }
         _ => {}
     }
-    let template = if parts.is_empty() { texts.nothing_differs } else { texts.differ };
-    let tolerance = if has_own_limits { texts.own_limits } else { texts.tolerance };
-    fill(template, &[("tolerance", tolerance), ("names", &parts.join("; "))])
+    let tolerance = match has_own_limits {
+        true => "the limits that the first run's pipeline states, else 0.1 ms, 1 mm, 0.01 m/s, 0.5 %",
+        false => "0.1 ms, 1 mm, 0.01 m/s, else 0.5 %",
+    };
+    match parts.is_empty() {
+        true => format!("Nothing differs by more than {tolerance}."),
+        false => format!("These differ by more than {tolerance}: {}.", parts.join("; ")),
+    }
 }
 
 /// The name without its unit.

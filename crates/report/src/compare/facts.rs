@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 
 use crate::drawing::numbers::ABSENT;
 use crate::findings::{CandidateSummary, MetricSummary, Summary};
-use crate::phrases::words;
+use crate::words;
 
 use super::expected::{Expected, in_short, named};
 use super::quantities::{INTERVAL_SHARE, PREDICTED, Quantity, allows_intervals};

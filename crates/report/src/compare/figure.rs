@@ -2,15 +2,11 @@
 
 use crate::drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI};
 use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over_time, span};
-use crate::findings::candidate_name;
-use crate::phrases::FigureTexts;
-use crate::phrases::PHRASES;
-use crate::phrases::words::fill;
 use crumple_signal::Sampled;
 
 use super::compared_run::ComparedRun;
 use crate::figures::crash::curves::view_ms;
-use crate::figures::time_view::over_time_axis;
+use crate::figures::time_view::{ACCELERATION, DISPLACEMENT, FORCE, VELOCITY, over_time_axis};
 
 /// What of a run is drawn in one panel over time: the test's wave and the model's.
 type Pair<'a> = (Option<&'a Sampled>, Option<&'a Sampled>);
@@ -18,8 +14,7 @@ type WavesOf = for<'a> fn(&'a ComparedRun) -> Pair<'a>;
 
 /// Acceleration, velocity, displacement over time and force over crush; `None` where no run has a curve.
 pub fn figure(runs: &[ComparedRun]) -> Option<Figure> {
-    let (texts, words) = (&PHRASES.runs, &PHRASES.figures);
-    let mut figure = Figure::new("curves", texts.curves);
+    let mut figure = Figure::new("curves", "Curves over each other");
     let same = |a: Option<&Sampled>, b: Option<&Sampled>| match (a, b) {
         (Some(a), Some(b)) => (a.t0_s(), a.dt_s(), a.samples()) == (b.t0_s(), b.dt_s(), b.samples()),
         (a, b) => a.is_none() && b.is_none(),
@@ -34,29 +29,29 @@ pub fn figure(runs: &[ComparedRun]) -> Option<Figure> {
         .enumerate()
         .map(|(k, run)| {
             let test = match (one_test, k) {
-                (true, 0) => figure.entry(texts.one_test, thick, true),
+                (true, 0) => figure.entry("test, the same in all runs", thick, true),
                 (true, _) => 0,
                 (false, _) => {
                     let look = Look::line(Colour::Series(k), Dash::Solid).width(Width::Thick);
-                    figure.entry(fill(texts.test_of, &[("run", &run.name)]), look, true)
+                    figure.entry(format!("{}, test", run.name), look, true)
                 }
             };
-            let model = run.recommended().map_or_else(String::new, |model| candidate_name(&model.id));
+            let model = run.recommended().map_or_else(|| "model".to_owned(), |model| run.run.name_of(&model.id));
             let look = Look::line(Colour::Series(k), Dash::Dashed);
-            (test, figure.entry(fill(texts.model_of, &[("run", &run.name), ("model", &model)]), look, true))
+            (test, figure.entry(format!("{}, {model}", run.name), look, true))
         })
         .collect();
     let drawn = |k: usize| k == 0 || !one_test;
     let views = || runs.iter().filter_map(|run| view_ms(&run.run));
     let view = views().reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
     let quantities: [(&str, f64, WavesOf); 3] = [
-        (words.acceleration, G_PER_M_PER_S2, |run| {
+        (ACCELERATION, G_PER_M_PER_S2, |run| {
             (run.run.acceleration(), run.recommended().and_then(|model| model.acceleration.as_ref()))
         }),
-        (words.velocity, KM_PER_H_PER_M_PER_S, |run| {
+        (VELOCITY, KM_PER_H_PER_M_PER_S, |run| {
             (run.run.measured.velocity.as_ref(), run.recommended().and_then(|model| model.velocity.as_ref()))
         }),
-        (words.displacement, MILLI, |run| {
+        (DISPLACEMENT, MILLI, |run| {
             (run.run.measured.displacement.as_ref(), run.recommended().and_then(|model| model.displacement.as_ref()))
         }),
     ];
@@ -70,15 +65,17 @@ pub fn figure(runs: &[ComparedRun]) -> Option<Figure> {
             if let Some(model) = model {
                 panel.line(entries[k].1, over_time(model, factor));
             }
-            let events = run.run.events.as_ref().filter(|_| title == words.displacement && drawn(k));
+            let events = run.run.events.as_ref().filter(|_| title == DISPLACEMENT && drawn(k));
             if let Some((t_m, crush)) = events.and_then(|e| e.time_of_dynamic_crush_s.zip(e.dynamic_crush_m)) {
                 panel.dots.push([MILLI * t_m, MILLI * crush]);
             }
         }
         figure.panels.push(panel);
     }
-    figure.panels.extend(force_over_crush(runs, &entries, one_test, words));
-    figure.caption = texts.curves_caption.to_owned();
+    figure.panels.extend(force_over_crush(runs, &entries, one_test));
+    figure.caption = "SAE J211 sign: deceleration is negative. Solid: the test; dashed: the model that its run \
+                      recommends, its own motion without the filter. The dots are dynamic crush and its time."
+        .to_owned();
     Some(figure.tidy()).filter(|figure| !figure.panels.is_empty())
 }
 
@@ -88,13 +85,8 @@ fn of_test(run: &ComparedRun) -> [Option<&Sampled>; 3] {
 }
 
 /// Up to the rebound, where the force ends. `None` where a run has no mass.
-fn force_over_crush(
-    runs: &[ComparedRun],
-    entries: &[(usize, usize)],
-    one_test: bool,
-    words: &FigureTexts,
-) -> Option<Panel> {
-    let mut panel = Panel::new(Axis::new(words.displacement), Axis::new(words.force));
+fn force_over_crush(runs: &[ComparedRun], entries: &[(usize, usize)], one_test: bool) -> Option<Panel> {
+    let mut panel = Panel::new(Axis::new(DISPLACEMENT), Axis::new(FORCE));
     for (k, run) in runs.iter().enumerate() {
         let mass_kg = run.run.test.mass_kg?;
         let end = run.run.events.as_ref().and_then(|events| events.time_of_rebound_s).unwrap_or(f64::INFINITY);

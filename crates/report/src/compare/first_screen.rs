@@ -1,10 +1,11 @@
 //! What a report says first, as Markdown for a merge request.
 
 use crate::drawing::numbers::{ABSENT, MILLI};
-use crate::findings::{HEAD, candidate_name, conclusion, distinct_curves, first_warnings, markdown};
-use crate::phrases::PHRASES;
-use crate::phrases::words;
-use crate::phrases::words::fill;
+use crate::findings::{HEAD, capitalised, conclusion, distinct_curves, first_warnings, markdown};
+use crate::page::conclusion::BEFORE_USE;
+use crate::page::header::UNTITLED;
+use crate::page::key_numbers::KEY_NUMBERS;
+use crate::words;
 use crumple_stage::by_way;
 use serde_json::Value;
 
@@ -20,9 +21,7 @@ use super::table::to_markdown;
 /// known: the artifacts hold its name alone.
 pub fn first_screen(run: &ComparedRun, pipeline: Option<&str>, record: Option<&str>) -> String {
     let (said, concerns) = conclusion(&run.run, &run.ranking);
-    let phrases = &PHRASES;
-    let texts = &phrases.runs;
-    let title = if run.run.test.title.is_empty() { phrases.page.untitled } else { &run.run.test.title };
+    let title = if run.run.test.title.is_empty() { UNTITLED } else { &run.run.test.title };
     let mut text = format!("{HEAD}## {}\n\n", markdown(title));
     text.push_str(&format!("**{}**\n", markdown(&said.status_sentence)));
     for sentence in &said.sentences {
@@ -33,38 +32,40 @@ pub fn first_screen(run: &ComparedRun, pipeline: Option<&str>, record: Option<&s
     }
     let (first, others) = first_warnings(&concerns, |_| false, &run.run, &run.ranking);
     if !first.is_empty() || others > 0 {
-        text.push_str(&format!("\n### {}\n\n", phrases.conclusion.before_use));
+        text.push_str(&format!("\n### {BEFORE_USE}\n\n"));
         for (number, concern) in first.iter().enumerate() {
             text.push_str(&format!("{}. {}\n", number + 1, markdown(&concern.with_code())));
         }
         if others > 0 {
-            text.push_str(&format!("\n{}\n", fill(texts.more_in_report, &[("count", others.to_string())])));
+            text.push_str(&format!("\n{others} more in the report.\n"));
         }
     }
     let one = std::slice::from_ref(run);
-    let value = [texts.value.to_owned()];
+    let value = ["value".to_owned()];
     let [numbers, models, _] = number_rows(one, &engineering());
-    for (heading, rows) in [(texts.key_numbers, numbers), (texts.model_for_predictions, models)] {
+    for (heading, rows) in [(KEY_NUMBERS, numbers), ("Model for predictions", models)] {
         if !rows.is_empty() {
             text.push_str(&format!("\n### {heading}\n\n{}", to_markdown("", &value, &rows)));
         }
     }
     text.push_str(&candidates(run));
+    let what_to_name =
+        if record.is_some() { "." } else { ": put its path in place of its name, or state it by --record." };
     text.push_str(&format!(
-        "\n### {}\n\n```sh\n{}\n```\n\n{}\n",
-        texts.again,
-        again(run, pipeline, record),
-        fill(
-            if record.is_some() { texts.record_is } else { texts.record_elsewhere },
-            &[("record", markdown(&record_of(run)))]
-        )
+        "{}\nRecord {}{what_to_name}\n",
+        command_again(&again(run, pipeline, record)),
+        markdown(&record_of(run))
     ));
     text
 }
 
+/// The command that makes a run, or a comparison, again.
+pub(super) fn command_again(command: &str) -> String {
+    format!("\n### Again\n\n```sh\n{command}\n```\n")
+}
+
 /// A row a distinct curve.
 fn candidates(run: &ComparedRun) -> String {
-    let texts = &PHRASES.runs;
     let curves = distinct_curves(&run.run, &run.ranking);
     let row = |id: &str, same: usize| {
         let candidate = run.run.candidate(id)?;
@@ -73,8 +74,8 @@ fn candidates(run: &ComparedRun) -> String {
         let number = |value: Option<f64>, text: &dyn Fn(f64) -> String| value.map_or_else(|| ABSENT.to_owned(), text);
         Some(format!(
             "| {}{} | {} | {} | {} | {} |\n",
-            markdown(&candidate_name(id)),
-            if same > 0 { fill(texts.same_curve, &[("count", same.to_string())]) } else { String::new() },
+            markdown(&capitalised(&run.run.name_of(id))),
+            if same > 0 { format!(" and {same} with the same curve") } else { String::new() },
             known.words().unwrap_or_else(|| ABSENT.to_owned()),
             number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| words::signed(MILLI * v, 1)),
             number(simulation.and_then(|s| s.time_of_dynamic_crush_error_s), &|v| words::signed(MILLI * v, 1)),
@@ -85,8 +86,7 @@ fn candidates(run: &ComparedRun) -> String {
     if rows.is_empty() {
         return String::new();
     }
-    let (title, heads) = (texts.candidates, texts.candidate_heads);
-    format!("\n### {title}\n\n| {heads} |\n|---|---|---:|---:|---:|\n{rows}")
+    format!("\n### Candidates\n\n| Model | Certainty | ΔC, mm | Δtₘ, ms | Fit, % |\n|---|---|---:|---:|---:|\n{rows}")
 }
 
 /// The command that makes the run again: its own pipeline file, and what was typed beside it.

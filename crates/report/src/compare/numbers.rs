@@ -5,10 +5,9 @@ use std::collections::BTreeSet;
 use crumple_diff::CompareSettings;
 
 use crate::drawing::numbers::ABSENT;
-use crate::findings::{CandidateResult, Summary, candidate_name};
+use crate::findings::{CandidateResult, Summary, capitalised};
 use crate::page::key_numbers::title;
-use crate::phrases::PHRASES;
-use crate::phrases::words;
+use crate::words;
 
 use super::compared_run::ComparedRun;
 use super::quantities::{Group, Quantity, quantities};
@@ -45,16 +44,16 @@ fn about_models(runs: &[ComparedRun]) -> Vec<Row> {
     if models.iter().all(Option::is_none) {
         return Vec::new();
     }
-    let names = &PHRASES.runs;
     let texts = |text: &dyn Fn(&CandidateResult) -> Option<String>| -> Vec<String> {
         models.iter().map(|model| model.and_then(text).unwrap_or_else(|| ABSENT.to_owned())).collect()
     };
+    let names: Vec<String> = runs
+        .iter()
+        .zip(&models)
+        .map(|(run, model)| model.map_or_else(|| ABSENT.to_owned(), |model| capitalised(&run.run.name_of(&model.id))))
+        .collect();
     let determined = |model: &CandidateResult| model.certainties().words();
-    vec![
-        Row::of_texts(names.recommended, &texts(&|model| Some(candidate_name(&model.id)))),
-        Row::of_texts(names.certainty, &texts(&determined)),
-        fit_row(&models),
-    ]
+    vec![Row::of_texts("Recommended", &names), Row::of_texts("Certainty", &texts(&determined)), fit_row(&models)]
 }
 
 /// Displacement fits that differ by less, percentage points, are equal: at 10 m/s and half a metre of crush that is
@@ -70,5 +69,5 @@ fn fit_row(models: &[Option<&CandidateResult>]) -> Row {
         differs: apart(*fit),
         ..Cell::default()
     };
-    Row { name: PHRASES.runs.displacement_fit.to_owned(), cells: fits.iter().map(cell).collect() }
+    Row { name: "Displacement fit".to_owned(), cells: fits.iter().map(cell).collect() }
 }

@@ -9,10 +9,9 @@ use crumple_signal::key_quantities::{CRUSH, DELTA_V, KeyQuantity, OLC, PEAK, RES
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::drawing::numbers::{ABSENT, digits_of_interval};
-use crate::findings::{CandidateSummary, Summary, parameter, parameter_order};
-use crate::phrases::PHRASES;
-use crate::phrases::words::{self, fill};
+use crate::drawing::numbers::{ABSENT, Rounding};
+use crate::findings::{CandidateSummary, Summary, doubt_in_words, parameter, parameter_order};
+use crate::words;
 
 use super::scenarios::{Scenario, scenarios};
 
@@ -34,7 +33,10 @@ pub enum Group {
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Digits {
     Decimals(usize),
-    Significant(usize),
+    /// Of a parameter, of which a run may have no interval.
+    Parameter {
+        is_mass: bool,
+    },
 }
 
 /// A number of several runs.
@@ -127,13 +129,9 @@ impl Quantity {
 
     /// A run's interval in the unit of people.
     pub fn interval(&self, run: usize) -> Option<String> {
-        let ends = self.values[run].as_ref()?.interval?;
-        let digits = ends[0].zip(ends[1]).map_or(3, |(low, high)| digits_of_interval(low, high, 3));
-        let end = |end: Option<f64>| match (end, self.digits) {
-            (None, _) => PHRASES.model.open.to_owned(),
-            (Some(end), Digits::Decimals(_)) => self.number(end, 0),
-            (Some(end), Digits::Significant(_)) => words::significant(self.factor * end, digits),
-        };
+        let own = self.values[run].as_ref()?;
+        let (ends, rounding) = (own.interval?, self.rounding(own));
+        let end = |end: Option<f64>| end.map_or_else(|| "open".to_owned(), |end| rounding.show(self.factor * end));
         Some(words::between(&end(ends[0]), &end(ends[1])))
     }
 
@@ -148,7 +146,10 @@ impl Quantity {
     pub fn shown(&self, run: usize) -> String {
         self.values[run].as_ref().map_or_else(
             || ABSENT.to_owned(),
-            |own| format!("{}{}", own.sign, words::with_unit(self.number(own.value, 0), self.unit)),
+            |own| {
+                let number = self.rounding(own).show(self.factor * own.value);
+                format!("{}{}", own.sign, words::with_unit(number, self.unit))
+            },
         )
     }
 
@@ -159,13 +160,20 @@ impl Quantity {
 
     /// A run's number in the unit of people, or that the run does not determine it.
     pub fn known(&self, run: usize) -> String {
-        if self.is_undetermined(run) { PHRASES.model.not_determined.to_owned() } else { self.shown(run) }
+        if self.is_undetermined(run) { doubt_in_words(Doubt::NotDetermined).to_owned() } else { self.shown(run) }
     }
 
-    fn number(&self, value: f64, more: usize) -> String {
+    /// The digits of a quantity, since a change that counts may be smaller than its interval; of a parameter those that
+    /// a run's interval supports.
+    fn rounding(&self, own: &RunValue) -> Rounding {
+        let ends = own.interval.unwrap_or_default().map(|end| end.map(|end| self.factor * end));
         match self.digits {
-            Digits::Decimals(decimals) => words::decimals(self.factor * value, decimals + more),
-            Digits::Significant(digits) => words::significant(self.factor * value, digits + more),
+            Digits::Decimals(decimals) => Rounding::of_quantity(None, decimals),
+            Digits::Parameter { is_mass } => Rounding::of_ends(ends[0], ends[1]).unwrap_or(if is_mass {
+                Rounding::to_integers(self.factor * own.value)
+            } else {
+                Rounding::WITHOUT_INTERVAL
+            }),
         }
     }
 
@@ -186,7 +194,7 @@ impl Quantity {
     pub fn difference(&self, difference: f64) -> String {
         let decimals = match self.digits {
             Digits::Decimals(decimals) => decimals + 1,
-            Digits::Significant(_) => 1,
+            Digits::Parameter { .. } => 1,
         };
         words::deviation(self.factor * difference, decimals, self.unit)
     }
@@ -211,12 +219,8 @@ impl Quantity {
     pub fn beside(&self, run: usize) -> String {
         let Some(own) = &self.values[run] else { return String::new() };
         let change = self.change(run).filter(|_| self.differs(run));
-        let texts = &PHRASES.model;
-        let doubt = own.doubt.map(|doubt| match doubt {
-            Doubt::OnBound => texts.on_a_bound,
-            Doubt::NotDetermined => texts.not_determined,
-        });
-        let known = doubt.map(str::to_owned).or_else(|| self.interval(run));
+        let doubt = own.doubt.map(|doubt| doubt_in_words(doubt).to_owned());
+        let known = doubt.or_else(|| self.interval(run));
         change.into_iter().chain(known).collect::<Vec<_>>().join("; ")
     }
 }
@@ -312,7 +316,7 @@ fn parameters(runs: &[&Summary], settings: &CompareSettings) -> Vec<Quantity> {
             name: symbol,
             unit,
             factor,
-            digits: Digits::Significant(4),
+            digits: Digits::Parameter { is_mass: parameter_order(&model.model, name).0 == 0 },
             values: (0..runs.len()).map(value).collect(),
         })
     };
@@ -390,8 +394,8 @@ fn predicted_row(
         group: if is_crush { Group::Prediction } else { Group::PredictedDetail },
         key: format!("{} at {at}", if is_crush { "crush" } else { quantity.key }),
         name: match is_crush {
-            true => fill(PHRASES.runs.predicted_crush, &[("speed", speed)]),
-            false => fill(PHRASES.runs.predicted_number, &[("number", quantity.name.to_owned()), ("speed", speed)]),
+            true => format!("Predicted crush at {speed}"),
+            false => format!("Predicted {} at {speed}", quantity.name),
         },
         unit: quantity.unit,
         factor: quantity.factor,

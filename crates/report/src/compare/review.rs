@@ -5,12 +5,11 @@ use std::collections::BTreeMap;
 use crumple_diff::{Base, CompareSettings};
 
 use crate::drawing::numbers::ABSENT;
-use crate::findings::candidate_name;
 
 use super::causes::{ArtifactChanges, Cause, CauseKind, causes, unexplained};
 use super::expected::Expected;
 use super::facts::{Fact, facts};
-use super::quantities::{Group, Quantity, quantities};
+use super::quantities::{Group, Quantity, quantities, recommended};
 use super::table::plain;
 
 /// Two results beside each other.
@@ -56,8 +55,15 @@ impl Review {
         let facts = facts([a, b], &with_interval.collect::<Vec<_>>(), settings);
         rows.retain(|row| row.group == Group::KeyNumber || row.differs(1));
         rows.sort_by(|x, y| y.beyond(1).total_cmp(&x.beyond(1)));
-        let model = |side: &Expected| side.summary.recommended.as_deref().map(candidate_name);
-        let models = [model(a), model(b)];
+        let model = |side: &Expected| side.summary.recommended.as_deref().map(|id| side.summary.name_of(id));
+        let mut models = [model(a), model(b)];
+        // What tells a candidate from the others of its own run, its number, makes it no other model.
+        let names =
+            [a, b].map(|side| recommended(&side.summary).map(|model| model.parameters.keys().collect::<Vec<_>>()));
+        if is_one_model && names[0] == names[1] {
+            let [before, after] = &mut models;
+            after.clone_from(before);
+        }
         if models[0] != models[1] {
             // Parameters of two models stand beside nothing.
             rows.retain(|row| row.group != Group::Parameter);
@@ -343,7 +349,7 @@ pub mod tests {
         k1               100.0 kN/m  106.0 kN/m  +6.0 %   0.5 %  !
         Dynamic crush C  450 mm      453 mm      +3.0 mm  1 mm   !
         Peak             17.8 g      17.9 g      +0.1 %   0.5 %
-        recommended model: the same, Kelvin, direct fit 1
+        recommended model: the same, Kelvin model (fitted)
         ");
         assert!(found.lines(7).len() <= 7, "{:?}", found.lines(7));
         // One side only.

@@ -442,7 +442,7 @@ mod tests {
 
         **Peak** +2.9 %. Within the limits: Dynamic crush C.
         Beyond the limit: 1 of 2 key numbers, 0 of 1 parameter.
-        Recommended model: the same, Kelvin, direct fit 1.
+        Recommended model: the same, Kelvin model (fitted).
 
         | | before | after | change | limit | change ÷ limit |
         |---|--:|--:|--:|--:|:--|

@@ -7,7 +7,7 @@ use crumple_artifact::records::PredictionV1;
 use super::expected::named;
 use crate::drawing::numbers::KM_PER_H_PER_M_PER_S;
 use crate::findings::Summary;
-use crate::phrases::words;
+use crate::words;
 
 /// A prediction of a run, called by what the choice names its candidate and by what was asked.
 pub struct Scenario<'a> {

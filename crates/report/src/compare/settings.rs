@@ -4,7 +4,6 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::drawing::numbers::ABSENT;
 use crate::findings::{StageRecord, record_name};
-use crate::phrases::PHRASES;
 use serde_json::{Value, json};
 
 use super::compared_run::ComparedRun;
@@ -15,11 +14,8 @@ use super::table::Row;
 pub fn rows(runs: &[ComparedRun]) -> Vec<Row> {
     let texts = |text: &dyn Fn(&ComparedRun) -> String| -> Vec<String> { runs.iter().map(text).collect() };
     let mut rows = vec![
-        Row::of_texts(PHRASES.runs.record, &texts(&|run| record_of(run))),
-        Row::of_texts(
-            PHRASES.runs.pipeline,
-            &texts(&|run| run.run.pipeline.clone().unwrap_or_else(|| ABSENT.to_owned())),
-        ),
+        Row::of_texts("record", &texts(&|run| record_of(run))),
+        Row::of_texts("pipeline", &texts(&|run| run.run.pipeline.clone().unwrap_or_else(|| ABSENT.to_owned()))),
     ];
     let made_with = |run: &ComparedRun| {
         let stages = &run.run.provenance;

@@ -2,7 +2,6 @@
 
 use crate::drawing::escape::html;
 use crate::findings::markdown;
-use crate::phrases::PHRASES;
 
 /// What a run says of the quantity of a row.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -43,14 +42,13 @@ const MARK: &str = "≠";
 /// As HTML; `of` heads the column of names.
 pub fn to_html(of: &str, runs: &[String], rows: &[Row]) -> String {
     let heads: String = runs.iter().map(|run| format!("<th scope=\"col\">{}</th>", html(run))).collect();
-    let differs = PHRASES.runs.differs;
     let cell = |cell: &Cell| {
         let beside =
             if cell.beside.is_empty() { String::new() } else { format!("<small>{}</small>", html(&cell.beside)) };
         match cell.differs {
             true => {
                 let text = html(&cell.text);
-                format!("<td class=\"differs\"><b aria-label=\"{differs}\">{MARK}</b> {text}{beside}</td>")
+                format!("<td class=\"differs\"><b aria-label=\"differs\">{MARK}</b> {text}{beside}</td>")
             }
             false => format!("<td>{}{beside}</td>", html(&cell.text)),
         }

@@ -1,8 +1,16 @@
-//! The part of a record that a time axis shows first.
+//! Axes of the crash: their titles, and the part of a record that a time axis shows first.
 
 use crate::drawing::{Axis, Panel};
 use crate::findings::Run;
-use crate::phrases::PHRASES;
+
+/// Title of an axis of accelerations.
+pub(crate) const ACCELERATION: &str = "acceleration, g";
+/// Title of an axis of velocities.
+pub(crate) const VELOCITY: &str = "velocity, km/h";
+/// Title of an axis of displacements.
+pub(crate) const DISPLACEMENT: &str = "displacement, mm";
+/// Title of an axis of forces.
+pub(crate) const FORCE: &str = "force, kN";
 
 /// First view of a time axis, ms: from a little before time zero to three times the time of crush, within the record.
 ///
@@ -19,5 +27,5 @@ pub fn time_view_ms(run: &Run) -> Option<[f64; 2]> {
 
 /// A panel over the time of the record.
 pub(crate) fn over_time_axis(view: Option<[f64; 2]>, y: Axis) -> Panel {
-    Panel::over_time(Axis { view, ..Axis::new(PHRASES.figures.time) }, y)
+    Panel::over_time(Axis { view, ..Axis::new("time after time zero, ms") }, y)
 }

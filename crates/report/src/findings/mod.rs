@@ -5,12 +5,15 @@
 //! Both are SI alone; units of people stand in sentences only.
 
 mod conclusions;
+mod names;
 mod results;
 mod text;
 
 pub use conclusions::concerns::{
     Concern, concerns, first_warnings, is_of_a_failed_method, is_of_another_candidate, warnings,
 };
+pub(crate) use conclusions::concerns::{more_warnings, what_to_do};
+pub(crate) use conclusions::conclusion::with_mass_against;
 pub use conclusions::conclusion::{Conclusion, Number, conclusion};
 pub use conclusions::distinct_curves::{DistinctCurve, SAME_CURVE, SAME_RESTITUTION, distinct_curves, same_curve};
 pub use conclusions::key_numbers::{KeyNumber, Spread, key_numbers};
@@ -23,14 +26,15 @@ pub use conclusions::summary::{
     Summary, TestSummary, TransferFunctionSummary, model_year, summary, summary_schema,
 };
 pub use conclusions::uses::{Soundness, Use};
+pub use names::model_name;
 pub use results::joint::{JointTests, LeftOut, TestOfJointModel};
 pub use results::model_output::{ErrorCorrelation, ModelOutput};
+pub use results::one_spring::OneSpring;
+pub use results::parameters::ShownParameter;
 pub use results::ranking::{Ranking, compare_ids};
 pub use results::run::{
     CandidateResult, Element, IdentifiabilityCounts, MeasuredWaves, Model, PoleStability, Run, SensorMotion,
-    StageProgram, StageRecord,
+    StageProgram, StageRecord, doubt_in_words,
 };
 pub use results::{mass_divisions, ranking};
-pub use text::{
-    HEAD, candidate_name, markdown, model_name, parameter, parameter_order, record_name, short, words_and_unit,
-};
+pub use text::{HEAD, capitalised, markdown, parameter, parameter_order, record_name, short, words_and_unit};

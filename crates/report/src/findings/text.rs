@@ -1,12 +1,10 @@
-//! Names as people write them, and text made safe for Markdown; languages and phrases are those of `crumple-report`.
+//! Names as people write them, and text made safe for Markdown.
 
 use crumple_artifact::records::CandidateV1;
 use crumple_lumped::{ParameterKind, parameter_kind, parameter_kind_of_unit};
 
 use crate::drawing::numbers::{KILO, MILLI};
-use crate::phrases::PHRASES;
-use crate::phrases::words;
-use crate::phrases::words::fill;
+use crate::words;
 
 // Text of a test made safe for Markdown.
 
@@ -28,7 +26,7 @@ pub fn markdown(text: &str) -> String {
     out
 }
 
-// Names as people write them: of models, candidates, inputs and outputs.
+// Names as people write them: of inputs and outputs.
 
 /// An input or output as identify names it (`acceleration of channel 93, m/s^2`): the words and the unit, if it has
 /// one.
@@ -42,35 +40,15 @@ pub fn words_and_unit(text: &str) -> (&str, Option<String>) {
     (words.strip_prefix("other ").unwrap_or(words), unit)
 }
 
-/// A model's name in words: `double-spring-mass-damper` is "Double spring-mass-damper".
-pub fn model_name(name: &str) -> String {
-    match name {
-        "double-spring-mass-damper" => "Double spring-mass-damper".to_owned(),
-        "triple-spring-mass-damper" => "Triple spring-mass-damper".to_owned(),
-        other => {
-            let words = other.replace('-', " ");
-            let mut letters = words.chars();
-            letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
-        }
-    }
-}
-
-/// A candidate id in words: `kelvin/closed-form/1` is "Kelvin, closed form 1".
-pub fn candidate_name(id: &str) -> String {
-    let mut parts = id.splitn(3, '/');
-    match (parts.next(), parts.next(), parts.next()) {
-        (Some(model), Some(method), Some(index)) => {
-            format!("{}, {} {index}", model_name(model), method.replace('-', " "))
-        }
-        _ => id.to_owned(),
-    }
+/// A name or a reason at the start of a sentence, a line or a cell.
+pub fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
 /// A reason as a sentence.
 pub(crate) fn as_sentence(reason: &str) -> String {
-    let mut rest = reason.chars();
-    let first = rest.next().map_or_else(String::new, |first| first.to_uppercase().to_string());
-    format!("{first}{}.", rest.as_str())
+    format!("{}.", capitalised(reason))
 }
 
 // Parameters of candidates as people read them: order, symbol, unit.
@@ -146,7 +124,6 @@ pub fn deflection_of_knot(candidate: &CandidateV1, force: &str) -> Option<(Strin
 
 /// `k and c` of a candidate; of knots of a force-deflection curve `the forces at 97 mm and 283 mm`.
 pub fn symbols(candidate: &CandidateV1, names: &[&str]) -> String {
-    let phrases = &PHRASES.conclusion;
     let (mut deflections, mut symbols) = (Vec::new(), Vec::new());
     for name in names {
         let (texts, text) = match deflection_of_knot(candidate, name) {
@@ -160,18 +137,18 @@ pub fn symbols(candidate: &CandidateV1, names: &[&str]) -> String {
             texts.push(text);
         }
     }
-    let template = if deflections.len() > 1 { phrases.forces_at } else { phrases.force_at };
     if !deflections.is_empty() {
-        symbols.insert(0, fill(template, &[("deflection", listed(&deflections, phrases.and))]));
+        let forces = if deflections.len() > 1 { "the forces" } else { "the force" };
+        symbols.insert(0, format!("{forces} at {}", listed(&deflections)));
     }
-    listed(&symbols, phrases.and)
+    listed(&symbols)
 }
 
 /// `a, b and c`.
-pub(crate) fn listed(texts: &[String], and: &str) -> String {
+pub(crate) fn listed(texts: &[String]) -> String {
     match texts.split_last() {
         Some((last, [])) => last.clone(),
-        Some((last, before)) => format!("{} {and} {last}", before.join(", ")),
+        Some((last, before)) => format!("{} and {last}", before.join(", ")),
         None => String::new(),
     }
 }
@@ -202,6 +179,13 @@ mod tests {
     fn a_title_cannot_open_a_cell_a_link_or_a_tag() {
         assert_eq!(markdown("@team"), "\\@\u{200b}team");
         assert_eq!(markdown("a|b [x](y)\n<b> *c* d_e"), "a\\|b \\[x\\](y) \\<b\\> \\*c\\* d\\_e");
+    }
+
+    #[test]
+    fn a_name_starts_with_a_capital_where_a_line_starts() {
+        assert_eq!(capitalised("elastoplastic spring"), "Elastoplastic spring");
+        assert_eq!(capitalised(""), "");
+        assert_eq!(as_sentence("no mass is stated"), "No mass is stated.");
     }
 
     #[test]

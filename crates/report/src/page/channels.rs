@@ -3,9 +3,7 @@
 use crate::drawing::escape::html;
 use crate::drawing::numbers::ABSENT;
 use crate::findings::Run;
-use crate::phrases::PHRASES;
-use crate::phrases::words;
-use crate::phrases::words::fill;
+use crate::words;
 use crumple_signal::{Channel, ChannelStatus};
 
 use crate::frame::{Column, table};
@@ -19,31 +17,28 @@ pub(super) fn write(out: &mut String, run: &Run) {
         return;
     }
     let taken = run.channel_id();
-    let texts = &PHRASES.page;
-    out.push_str(&format!("<section>\n<h2>{}</h2>\n", texts.channels));
+    out.push_str("<section>\n<h2>Channels</h2>\n");
     match (taken, run.channel()) {
         (Some(id), Some(channel)) => {
             let place = if channel.location.is_empty() { String::new() } else { format!(" ({})", channel.location) };
-            let template = if channels.len() == 1 { texts.taken_of_one } else { texts.taken_of_several };
-            let filled = [
-                ("id", html(id)),
-                ("place", html(&place)),
-                ("count", channels.len().to_string()),
-                ("states", html(&states(channels))),
-            ];
-            out.push_str(&format!("<p>{}</p>\n", fill(template, &filled)));
+            let count =
+                if channels.len() == 1 { "1 channel".to_owned() } else { format!("{} channels", channels.len()) };
+            out.push_str(&format!(
+                "<p>Taken as the crash pulse: <strong>{}</strong>{}. The test lists {count} in all{}.</p>\n",
+                html(id),
+                html(&place),
+                html(&states(channels))
+            ));
         }
         // Nobody asks for a crash pulse where there is no crash.
         _ if run.is_generic() => {}
-        _ => out.push_str(&format!("<p>{}</p>\n", texts.no_pulse)),
+        _ => out.push_str("<p>The test does not say which of its channels is the crash pulse.</p>\n"),
     }
     let folded = channels.len() > OPEN_LIST;
     if folded {
-        let all = fill(texts.all_channels, &[("count", channels.len().to_string())]);
-        out.push_str(&format!("<details><summary>{all}</summary>\n"));
+        out.push_str(&format!("<details><summary>Show all {} channels</summary>\n", channels.len()));
     }
-    let columns = [texts.id, texts.location, texts.axis_head, texts.quantity, "CFC", texts.status, texts.remark]
-        .map(Column::text);
+    let columns = ["Id", "Location", "Axis", "Quantity", "CFC", "Status", "Remark"].map(Column::text);
     out.push_str(&table("", &columns));
     let is_without_data = |channel: &&Channel| channel.status != ChannelStatus::Valid;
     for channel in channels {
@@ -54,8 +49,9 @@ pub(super) fn write(out: &mut String, run: &Run) {
     if folded {
         let left_out = channels.iter().filter(is_without_data).count();
         if left_out > 0 {
-            let note = fill(texts.not_on_paper, &[("count", left_out.to_string())]);
-            out.push_str(&format!("<p class=\"on-paper\">{note}</p>\n"));
+            out.push_str(&format!(
+                "<p class=\"on-paper\">Left out on paper, for want of valid data: {left_out}.</p>\n"
+            ));
         }
         out.push_str("</details>\n");
     }
@@ -77,7 +73,6 @@ fn states(channels: &[Channel]) -> String {
 }
 
 fn row(out: &mut String, channel: &Channel, taken: bool, on_paper: bool) {
-    let texts = &PHRASES.page;
     let class = match taken {
         true => " class=\"best\"",
         false if !on_paper => " class=\"no-paper\"",
@@ -86,13 +81,12 @@ fn row(out: &mut String, channel: &Channel, taken: bool, on_paper: bool) {
     let or_dash = |text: Option<String>| text.map_or_else(|| ABSENT.to_owned(), |text| html(&text));
     let mut remark = channel.comment.clone().unwrap_or_default();
     if channel.redundant {
-        let redundant = texts.redundant;
-        remark = if remark.is_empty() { redundant.to_owned() } else { format!("{redundant}; {remark}") };
+        remark = if remark.is_empty() { "redundant".to_owned() } else { format!("redundant; {remark}") };
     }
     out.push_str(&format!(
         "<tr{class}><td><code>{}</code>{}<td>{}<td>{}<td>{}<td>{}<td>{}<td>{}\n",
         html(&channel.id),
-        if taken { format!(" <strong>{}</strong>", texts.taken) } else { String::new() },
+        if taken { " <strong>taken</strong>" } else { "" },
         html(&channel.location),
         or_dash(channel.axis.map(|axis| axis.to_string())),
         html(&words::metric(channel.quantity.name())),

@@ -1,10 +1,13 @@
 //! Status and verdict on top of the page, and the gravest warnings below them.
 
 use crate::drawing::escape::html;
-use crate::findings::{Concern, Conclusion, Ranking, ResultStatus, Run, Status, first_warnings};
-use crate::phrases::PHRASES;
-use crate::phrases::words::fill;
+use crate::findings::{
+    Concern, Conclusion, Ranking, ResultStatus, Run, Status, first_warnings, more_warnings, what_to_do,
+};
 use crumple_signal::About;
+
+/// The subject of a concern about the record itself.
+const ABOUT_RECORD: &str = "Record";
 
 /// The word of the status with its reason, beside the title.
 pub(super) fn write_status(out: &mut String, verdict: &Conclusion) {
@@ -26,56 +29,41 @@ pub(super) fn write_answers(out: &mut String, verdict: &Conclusion) {
 
 /// What happened and what to use; without a result a bar that says what to do.
 pub(super) fn write(out: &mut String, verdict: &Conclusion) {
-    let phrases = &PHRASES.conclusion;
     let (class, role) = match (verdict.standing, verdict.status) {
         (ResultStatus::NoResult, _) => ("verdict bad", " role=\"alert\""),
         (_, Some(Status::DoNotUse)) => ("verdict none", ""),
         _ => ("verdict", ""),
     };
     let sentences: String = verdict.sentences.iter().map(|text| format!("<p>{}</p>\n", html(text))).collect();
-    out.push_str(&format!(
-        "<section class=\"{class}\"{role} aria-label=\"{}\">\n{sentences}</section>\n",
-        phrases.verdict
-    ));
+    out.push_str(&format!("<section class=\"{class}\"{role} aria-label=\"Verdict\">\n{sentences}</section>\n"));
 }
 
+/// Heads the gravest warnings.
+pub(crate) const BEFORE_USE: &str = "Before you use this";
+
 /// At most three warnings; the others are counted and linked.
-pub(super) fn write_before_use(
-    out: &mut String,
-    run: &Run,
-    ranking: &Ranking,
-    verdict: &Conclusion,
-    concerns: &[Concern],
-) {
-    let phrases = &PHRASES.conclusion;
+pub(super) fn write_before_use(out: &mut String, run: &Run, ranking: &Ranking, concerns: &[Concern]) {
     let (first, others) = first_warnings(concerns, |_| false, run, ranking);
     let items: String = first.iter().map(|concern| item(concern)).collect();
     let list = if items.is_empty() { items } else { format!("<ol>\n{items}</ol>\n") };
-    let is_of_the_record = |concern: &Concern| about(concern) == phrases.about_record;
-    let has_result = verdict.status != Some(Status::DoNotUse) && run.channel().is_some();
-    let is_sound = has_result && !concerns.iter().any(is_of_the_record);
-    let no_fault = if is_sound { format!("<p>{}</p>\n", phrases.no_fault) } else { String::new() };
-    if first.is_empty() && !is_sound {
+    if first.is_empty() && others == 0 {
         return;
     }
     let more = match others {
         0 => String::new(),
-        1 => format!("<p><a href=\"#notes\">{}</a></p>\n", phrases.one_more),
-        n => format!("<p><a href=\"#notes\">{}</a></p>\n", fill(phrases.more, &[("count", &n.to_string())])),
+        n => format!("<p><a href=\"#notes\">{}</a></p>\n", more_warnings(n)),
     };
     out.push_str(&format!(
-        "<section class=\"before-use\" aria-labelledby=\"before-use-title\">\n<h2 id=\"before-use-title\">{}</h2>\n\
-         {list}{no_fault}{more}</section>\n",
-        phrases.before_use
+        "<section class=\"before-use\" aria-labelledby=\"before-use-title\">\n\
+         <h2 id=\"before-use-title\">{BEFORE_USE}</h2>\n{list}{more}</section>\n"
     ));
 }
 
 /// An item of a list: what a concern is about, its text and what to do about it.
 pub(super) fn item(concern: &Concern) -> String {
-    let template = PHRASES.conclusion.what_to_do;
-    let remedy = concern.remedy.as_deref().map(|remedy| fill(template, &[("remedy", html(remedy))]));
     let stop = if concern.text.ends_with(['.', '?', '!']) { "" } else { "." };
-    let remedy = remedy.map_or_else(String::new, |remedy| format!("{stop} {remedy}"));
+    let remedy = concern.remedy.as_deref().map(|remedy| format!("{stop} {}", html(&what_to_do(remedy))));
+    let remedy = remedy.unwrap_or_default();
     let (about, stage) = (about(concern), html(&concern.stage));
     let code = match concern.code.as_str() {
         "" => String::new(),
@@ -86,13 +74,12 @@ pub(super) fn item(concern: &Concern) -> String {
 
 /// What a concern is about, in a word.
 fn about(concern: &Concern) -> &'static str {
-    let phrases = &PHRASES.conclusion;
     match concern.about.parse() {
-        Ok(About::Model(_)) => phrases.about_model,
-        Ok(About::Predictions) => phrases.about_predictions,
-        Ok(About::Occupants) => phrases.about_occupants,
-        Ok(About::WallForce) => phrases.about_wall_force,
-        Ok(About::IdentifiedModels | About::Method(_)) => phrases.about_identified_models,
-        _ => phrases.about_record,
+        Ok(About::Model(_)) => "Model",
+        Ok(About::Predictions) => "Predictions",
+        Ok(About::Occupants) => "Occupants",
+        Ok(About::WallForce) => "Wall",
+        Ok(About::IdentifiedModels | About::Method(_)) => "Identified models",
+        _ => ABOUT_RECORD,
     }
 }

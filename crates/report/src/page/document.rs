@@ -17,7 +17,7 @@ use super::{
 use crate::drawing::Figure;
 use crate::figures::all::{crash_figures, identification_figures};
 use crate::figures::crash::{curves, recorded};
-use crate::frame::{FIGURES, framed_with, words_of_figures};
+use crate::frame::{FIGURES, framed_with};
 use crate::frame::{PageFiles, Script, script_file};
 
 /// Cursor, zoom and downloads.
@@ -80,7 +80,7 @@ impl Page {
         figures::write(&mut body, &first, "h2");
         body.push_str("<div class=\"answer\">\n");
         predictions::write_first(&mut body, run, ranking, said.status);
-        top::write_before_use(&mut body, run, ranking, said, concerns);
+        top::write_before_use(&mut body, run, ranking, concerns);
         body.push_str("</div>\n</div>\n");
         model_picture::write(&mut body, run, ranking, said.status);
         body.push_str("</div>\n");
@@ -114,7 +114,6 @@ impl Page {
         if let (None, Ok(packed)) = (&run.joint, packed(summary)) {
             body.push_str(&format!("<script type=\"text/plain\" id=\"summary-data\">{packed}</script>\n"));
         }
-        body.push_str(&words_of_figures());
         body.push_str("</main>\n");
         let toggles = figures::toggle_rules(first.iter().chain(&crash).chain(&identification));
         let title = header::title(run);

@@ -2,10 +2,9 @@
 
 use crate::drawing::escape::html;
 use crate::drawing::numbers::{KILO, MILLI};
-use crate::findings::{Ranking, Run, candidate_name};
+use crate::findings::{Ranking, Run, capitalised};
 use crate::page::{UNFOLDED, folded};
-use crate::phrases::PHRASES;
-use crate::phrases::words;
+use crate::words;
 
 use crate::frame::{Column, table};
 
@@ -25,45 +24,44 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         return;
     }
     rows.sort_by_key(|(candidate, ..)| ranking.place(&candidate.id).unwrap_or(usize::MAX));
-    let texts = &PHRASES.how_well;
     let columns = [
-        Column::text(texts.model),
-        Column::text(texts.instant),
-        Column::number(texts.time),
-        Column::number(texts.brought_in),
-        Column::number(texts.kinetic),
-        Column::number(texts.in_springs),
-        Column::number(texts.dissipated),
-        Column::number(texts.closure).means(texts.closure_definition),
+        Column::text("Model"),
+        Column::text("Instant"),
+        Column::number("Time, ms"),
+        Column::number("Brought in, kJ"),
+        Column::number("Kinetic, kJ"),
+        Column::number("In springs, kJ"),
+        Column::number("Dissipated, kJ"),
+        Column::number("Closure")
+            .means("Largest gap of the balance over the whole response, relative to its largest term."),
     ];
-    out.push_str(&format!("<section>\n{}{}", folded(texts.energy), table("", &columns)));
+    out.push_str(&format!("<section>\n{}{}", folded("Energy of the models"), table("", &columns)));
     for (candidate, energy, closure) in rows {
         let kilojoule = |joule: f64| words::decimals(KILO * joule, 2);
         out.push_str(&format!(
             "<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td \
              class=\"n\">{}</td>\
-             <td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
-            html(&candidate_name(&candidate.id)),
-            html(match energy.instant.as_str() {
-                "dynamic crush" => texts.at_dynamic_crush,
-                "end" => texts.at_end,
-                other => other,
-            }),
+             <td class=\"n\">{}</td><td class=\"n\">{closure}</td></tr>\n",
+            html(&capitalised(&run.name_of(&candidate.id))),
+            html(&energy.instant),
             words::decimals(MILLI * energy.time_s, 1),
             kilojoule(energy.input_j),
             kilojoule(energy.kinetic_j),
             kilojoule(energy.stored_j),
-            kilojoule(energy.dissipated_j),
-            closure,
+            kilojoule(energy.dissipated_j)
         ));
     }
-    out.push_str(&format!("</tbody>\n</table></div>\n<p class=\"caption\">{}</p>\n{UNFOLDED}", texts.energy_caption));
+    out.push_str(&format!(
+        "</tbody>\n</table></div>\n<p class=\"caption\">Heat and work are integrated apart from the motion, so the \
+         closure checks motion, forces and law together. Plastic work of the elastoplastic model counts as \
+         dissipated.</p>\n{UNFOLDED}"
+    ));
 }
 
 /// Rounding: its size says something, its digits do not. Of a motion that grows without end only that is said.
 fn closure(gap: Option<f64>, diverges: bool) -> String {
     match gap {
-        _ if diverges => PHRASES.how_well.diverges.to_owned(),
+        _ if diverges => "diverges".to_owned(),
         None => String::new(),
         Some(gap) if gap < 1e-9 => "&lt; 10⁻⁹".to_owned(),
         Some(gap) => format!("{gap:.1e}"),

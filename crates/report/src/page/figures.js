@@ -9,9 +9,8 @@
     if (text !== undefined) element.textContent = text;
     return element;
   };
-  const words = JSON.parse(document.getElementById("figure-words").textContent);
   const numbers = (text) => text.split(" ").map(Number);
-  const written = (text) => text.replace(/^-(?=[0.]*$)/, "").replace("-", "−").replace(".", words.decimal_mark);
+  const written = (text) => text.replace(/^-(?=[0.]*$)/, "").replace("-", "−");
 
   class Plot {
     constructor(svg) {
@@ -132,7 +131,7 @@
   let shown = null;
   const whole = timePlots.length ? timePlots[0].x : [0, 1];
   const limits = [whole[0] - 0.25 * (whole[1] - whole[0]), whole[1] + 0.5 * (whole[1] - whole[0])];
-  const slider = make("input", { type: "range", min: 0, max: 1000, step: 1, "aria-label": words.time_of_cursor });
+  const slider = make("input", { type: "range", min: 0, max: 1000, step: 1, "aria-label": "Time of the cursor" });
   const output = make("output", { class: "time" });
 
   /** The pictures of models: outlines of their masses where they are at the cursor's time. */
@@ -158,8 +157,12 @@
     }
   }
 
-  /** What is enough of a name beside its value: `recommended`, `Kelvin, direct fit 1`. */
-  const brief = (name) => (/^[\p{Ll} ]+: \p{Lu}/u.test(name) ? name.split(":")[0] : name.replace(/ \(.*\)$/, ""));
+  /** What is enough of a name beside its value: `recommended`, `Kelvin model (fitted)`. */
+  const brief = (name) => {
+    const role = /^(recommended and closest|recommended|closest): /.exec(name);
+    const [model, ...more] = name.split("), ");
+    return role ? role[1] : more.length > 0 ? `${model})` : name.replace(/ \(.*\)$/, "");
+  };
 
   /** Head of a column: a quantity and its unit, which alone is enough where there is little room. */
   function titled(title) {
@@ -198,7 +201,7 @@
       const columns = figure.plots.map((plot, k) => k)
         .filter((k) => figure.plots[k].isTime || figure.plots[k].follows !== null);
       if (!head.firstChild) {
-        head.append(make("th", { scope: "col" }, words.at_the_cursor));
+        head.append(make("th", { scope: "col" }, "at the cursor"));
         for (const k of columns) head.append(titled(figure.plots[k].yTitle));
       }
       const body = figure.table.querySelector("tbody");
@@ -368,14 +371,15 @@
     const [head, body] = [make("thead", {}), make("tbody", {})];
     head.append(make("tr", {}));
     figure.table.append(head, body);
-    const bar = make("div", { class: "cursor", role: "group", "aria-label": words.group });
+    const bar = make("div", { class: "cursor", role: "group" });
+    bar.setAttribute("aria-label", "Cursor and zoom of all figures over time");
     if (place === 0) {
       const controls = make("div", { class: "controls" });
-      const label = make("label", {}, words.time + " ");
+      const label = make("label", {}, "time ");
       label.append(slider);
       controls.append(label, output,
-        button("+", words.zoom_in, () => zoomBy(0.5)), button("−", words.zoom_out, () => zoomBy(2)),
-        button(words.all, words.show_all, () => zoomTo(null)));
+        button("+", "Zoom in at the cursor", () => zoomBy(0.5)), button("−", "Zoom out", () => zoomBy(2)),
+        button("all", "Show the whole of the first view", () => zoomTo(null)));
       bar.append(controls);
     }
     bar.append(figure.table);
@@ -383,7 +387,7 @@
     panels.before(bar);
     panels.tabIndex = 0;
     panels.setAttribute("role", "group");
-    panels.setAttribute("aria-label", words.keys);
+    panels.setAttribute("aria-label", "Figures: arrow keys move the cursor, + and − zoom, 0 shows all");
     panels.addEventListener("keydown", keys);
     figure.plots.forEach((plot) => {
       plot.layer = make("g", { class: "cursor-marks" }, undefined, SVG);
@@ -399,17 +403,16 @@
   figures.forEach((figure) => {
     const id = figure.element.id;
     const title = figure.element.querySelector("h2,h3").textContent;
-    const named = (text) => text.replace("{title}", () => title);
-    const line = make("p", { class: "downloads" }, words.download);
+    const line = make("p", { class: "downloads" }, "Download: ");
     line.append(
-      button("SVG", named(words.download_svg), () => save(`${id}.svg`, "image/svg+xml", file(figure))),
-      button("CSV", named(words.download_csv), () => save(`${id}.csv`, "text/csv", csv(figure))));
+      button("SVG", `Download the figure “${title}” as SVG`, () => save(`${id}.svg`, "image/svg+xml", file(figure))),
+      button("CSV", `Download the curves of “${title}” as CSV`, () => save(`${id}.csv`, "text/csv", csv(figure))));
     figure.element.append(line);
   });
   const summary = document.getElementById("summary-data");
   if (summary) {
-    const line = make("p", { class: "downloads" }, words.download);
-    line.append(button("summary.json", words.download_summary,
+    const line = make("p", { class: "downloads" }, "Download: ");
+    line.append(button("summary.json", "Download the summary as JSON",
       async () => {
         const packed = Uint8Array.from(atob(summary.textContent), (c) => c.charCodeAt(0));
         const json = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));

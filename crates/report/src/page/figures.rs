@@ -3,7 +3,6 @@
 
 use crate::drawing::escape::html;
 use crate::drawing::{Drawing, Figure, swatch};
-use crate::phrases::PHRASES;
 
 /// Writes figures into a grid of two columns where the window has room for them, under headings of an element.
 pub(crate) fn write(out: &mut String, figures: &[Figure], heading: &str) {
@@ -22,9 +21,8 @@ fn write_figure(out: &mut String, figure: &Figure, heading: &str) {
     let wide = if figure.panels.len() > 1 { " wide" } else { "" };
     out.push_str(&format!(
         "<section class=\"figure{wide}\" id=\"{id}\" aria-labelledby=\"{id}-title\">\n\
-         <{heading} id=\"{id}-title\">{}</{heading}>\n<ul class=\"legend\" aria-label=\"{}\">\n",
-        html(&figure.title),
-        PHRASES.figures.curves_to_show
+         <{heading} id=\"{id}-title\">{}</{heading}>\n<ul class=\"legend\" aria-label=\"Curves, to show or hide\">\n",
+        html(&figure.title)
     ));
     for entry in &figure.legend {
         // A box that is ticked shows its curves by style alone, so that it works without a script.
@@ -38,10 +36,10 @@ fn write_figure(out: &mut String, figure: &Figure, heading: &str) {
     }
     if figure.legend.iter().any(|entry| !entry.shown) {
         // On a narrow screen the names of curves that wait are shown on demand, by style alone.
-        let all = PHRASES.figures.all_names;
-        out.push_str(&format!(
-            "<li class=\"all\"><label><input type=\"checkbox\" autocomplete=\"off\">{all}</label></li>\n"
-        ));
+        out.push_str(
+            "<li class=\"all\"><label><input type=\"checkbox\" autocomplete=\"off\">names of the hidden \
+             curves</label></li>\n",
+        );
     }
     out.push_str("</ul>\n<div class=\"panels\">\n");
     for (place, panel) in figure.panels.iter().enumerate() {

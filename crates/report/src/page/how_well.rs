@@ -4,10 +4,8 @@ use crumple_artifact::records::ResidualV1;
 
 use crate::drawing::escape::html;
 use crate::drawing::numbers::{ABSENT, G_PER_M_PER_S2, MILLI};
-use crate::findings::{CandidateResult, Ranking, Run, candidate_name};
-use crate::phrases::PHRASES;
-use crate::phrases::words;
-use crate::phrases::words::fill;
+use crate::findings::{CandidateResult, Ranking, Run, capitalised};
+use crate::words;
 
 use crate::frame::{Column, heads};
 
@@ -25,46 +23,46 @@ pub(super) fn write<'a>(out: &mut String, run: &'a Run, ranking: &Ranking) {
     if !shown.iter().any(rated) && residuals.iter().all(Option::is_none) {
         return;
     }
-    let texts = &PHRASES.how_well;
     let columns = [
-        Column::number(texts.corridor),
-        Column::number(texts.phase),
-        Column::number(texts.magnitude),
-        Column::number(texts.slope),
-        Column::number(texts.rating),
-        Column::text(texts.grade),
-        Column::number(texts.rms),
-        Column::number(texts.of_the_test),
-        Column::number(texts.lags_beyond),
+        Column::number("Corridor"),
+        Column::number("Phase"),
+        Column::number("Magnitude"),
+        Column::number("Slope"),
+        Column::number("Rating"),
+        Column::text("Grade"),
+        Column::number("rms, g"),
+        Column::number("of the test, %"),
+        Column::number("lags beyond limits, %"),
     ];
     out.push_str(&format!(
-        "<section id=\"how-well\" aria-labelledby=\"how-well-title\">\n<h2 id=\"how-well-title\">{}</h2>\n\
-         <div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\" rowspan=\"2\">{}</th>\
-         <th scope=\"colgroup\" colspan=\"6\">{}</th><th scope=\"colgroup\" colspan=\"3\">{}</th>\
-         <th scope=\"col\" rowspan=\"2\" class=\"n\">{}</th></tr>\n<tr>{}</tr></thead>\n<tbody>\n",
-        texts.title,
-        texts.model,
-        texts.by_standard,
-        texts.residual,
-        texts.wall_force,
+        "<section id=\"how-well\" aria-labelledby=\"how-well-title\">\n<h2 id=\"how-well-title\">How well</h2>\n\
+         <div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\" rowspan=\"2\">Model</th>\
+         <th scope=\"colgroup\" colspan=\"6\">Acceleration by ISO/TS 18571</th>\
+         <th scope=\"colgroup\" colspan=\"3\">Residual of the acceleration</th>\
+         <th scope=\"col\" rowspan=\"2\" class=\"n\">Wall force off by, %</th></tr>\n<tr>{}</tr></thead>\n<tbody>\n",
         heads(&columns)
     ));
     for (candidate, residual) in shown.iter().zip(&residuals) {
-        row(out, ranking, candidate, *residual);
+        row(out, run, ranking, candidate, *residual);
     }
     out.push_str("</tbody>\n</table></div>\n<div class=\"models\">\n");
     for (number, (candidate, residual)) in shown.iter().zip(&residuals).enumerate() {
         if let Some(residual) = residual {
-            autocorrelation(out, number + 1, candidate, residual);
+            autocorrelation(out, number + 1, &run.name_of(&candidate.id), residual);
         }
     }
     out.push_str("</div>\n");
     let window = shown.iter().find_map(|candidate| candidate.simulation.as_ref());
-    let over = window.map_or_else(String::new, |s| fill(texts.over, &[("times", words::times(s.from_s, s.to_s))]));
-    out.push_str(&format!("<p class=\"caption\">{over}{}</p>\n</section>\n", texts.caption));
+    let over = window.map(|s| format!("Over {} after time zero. ", words::times(s.from_s, s.to_s))).unwrap_or_default();
+    out.push_str(&format!(
+        "<p class=\"caption\">{over}1 is equal in every part; the rating is 0.4 corridor + 0.2 phase + 0.2 magnitude + \
+         0.2 slope (ISO/TS 18571:2014), in words excellent above 0.94, good above 0.80, fair above 0.58, else poor. \
+         Residual: filtered test minus the model’s own motion. Of noise one lag in twenty lies beyond the limits; more \
+         says that the model misses a part of the pulse.</p>\n</section>\n"
+    ));
 }
 
-fn row(out: &mut String, ranking: &Ranking, candidate: &CandidateResult, residual: Option<&ResidualV1>) {
+fn row(out: &mut String, run: &Run, ranking: &Ranking, candidate: &CandidateResult, residual: Option<&ResidualV1>) {
     let simulation = candidate.simulation.as_ref();
     let of_acceleration = |id: &str| {
         let mut ratings = simulation.into_iter().flat_map(|simulation| &simulation.ratings);
@@ -76,11 +74,11 @@ fn row(out: &mut String, ranking: &Ranking, candidate: &CandidateResult, residua
     };
     let parts: String = PARTS.iter().map(|id| number(of_acceleration(id).and_then(|rating| rating.value), 2)).collect();
     let rating = of_acceleration("iso18571");
-    let grade = rating.and_then(|rating| rating.note.as_deref()).map_or(ABSENT, |note| grade(note));
+    let grade = rating.and_then(|rating| rating.note.as_deref()).unwrap_or(ABSENT);
     out.push_str(&format!(
         "<tr{}><td>{}</td>{parts}<td>{}</td>{}{}{}{}</tr>\n",
         if ranking.best.as_deref() == Some(&candidate.id) { " class=\"best\"" } else { "" },
-        html(&candidate_name(&candidate.id)),
+        html(&capitalised(&run.name_of(&candidate.id))),
         html(grade),
         number(residual.map(|residual| G_PER_M_PER_S2 * residual.rms_m_per_s2), 2),
         number(residual.map(|residual| 1e2 * residual.share_of_test), 0),
@@ -89,20 +87,8 @@ fn row(out: &mut String, ranking: &Ranking, candidate: &CandidateResult, residua
     ));
 }
 
-/// The grade word of a rating.
-pub(super) fn grade(note: &str) -> &str {
-    let texts = &PHRASES.how_well;
-    match note {
-        "excellent" => texts.excellent,
-        "good" => texts.good,
-        "fair" => texts.fair,
-        "poor" => texts.poor,
-        other => other,
-    }
-}
-
 /// The autocorrelation of a residual with its limits, as a picture.
-fn autocorrelation(out: &mut String, number: usize, candidate: &CandidateResult, residual: &ResidualV1) {
+fn autocorrelation(out: &mut String, number: usize, name: &str, residual: &ResidualV1) {
     const WIDTH: f64 = 350.0;
     const HEIGHT: f64 = 130.0;
     const LEFT: f64 = 34.0;
@@ -120,13 +106,12 @@ fn autocorrelation(out: &mut String, number: usize, candidate: &CandidateResult,
         .step_by(step)
         .map(|(lag, r)| format!("{:.1} {:.1}", x(lag as f64), y(*r)))
         .collect();
-    let name = html(&candidate_name(&candidate.id));
-    let texts = &PHRASES.how_well;
+    let name = html(name);
     let longest = format!("{} ms", words::decimals(MILLI * residual.lag_s * last, 0));
     let share = format!("{} %", words::decimals(1e2 * residual.share_outside, 0));
-    let filled = [("model", &name), ("share", &share), ("longest", &longest)];
-    let title = fill(texts.autocorrelation_title, &filled);
-    let (lag, caption) = (fill(texts.lag, &filled), fill(texts.autocorrelation_caption, &filled));
+    let title = format!(
+        "Autocorrelation of the residual of {name}: {share} of the lags up to {longest} lie beyond the limits of noise"
+    );
     out.push_str(&format!(
         "<figure class=\"model\">\n<svg class=\"model-picture\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" \
          aria-labelledby=\"residual-{number}\">\n<title id=\"residual-{number}\">{title}</title>\n\
@@ -135,8 +120,8 @@ fn autocorrelation(out: &mut String, number: usize, candidate: &CandidateResult,
          <text class=\"interval\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">1</text>\n\
          <text class=\"interval\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">0</text>\n\
          <text class=\"interval\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">−1</text>\n\
-         <text class=\"interval\" x=\"{:.1}\" y=\"124\" text-anchor=\"end\">{lag}</text>\n</svg>\n\
-         <figcaption>{caption}</figcaption>\n</figure>\n",
+         <text class=\"interval\" x=\"{:.1}\" y=\"124\" text-anchor=\"end\">lag, up to {longest}</text>\n</svg>\n\
+         <figcaption>Autocorrelation of the residual, {name}; shaded: 95\u{a0}% of noise</figcaption>\n</figure>\n",
         y(residual.limit),
         x(last) - LEFT,
         y(-residual.limit) - y(residual.limit),

@@ -3,9 +3,7 @@
 use crate::drawing::escape::html;
 use crate::drawing::numbers::{ABSENT, MILLI, NBSP};
 use crate::findings::{KeyNumber, Run};
-use crate::phrases::PHRASES;
-use crate::phrases::words;
-use crate::phrases::words::fill;
+use crate::words;
 use crumple_artifact::records::IntervalSourceV1;
 use crumple_signal::ANOTHER_VEHICLE;
 use crumple_signal::key_quantities::{
@@ -13,14 +11,16 @@ use crumple_signal::key_quantities::{
     TIME_OF_CRUSH,
 };
 
+/// Heads the key numbers, on every page and in Markdown.
+pub(crate) const KEY_NUMBERS: &str = "Key numbers";
+
 pub(super) fn write(out: &mut String, run: &Run, numbers: &[KeyNumber]) {
     if numbers.is_empty() {
         return;
     }
     out.push_str(&format!(
         "<section id=\"numbers\" aria-labelledby=\"numbers-title\">\n\
-         <h2 id=\"numbers-title\">{}</h2>\n<dl class=\"cards\">\n",
-        PHRASES.numbers.key_numbers
+         <h2 id=\"numbers-title\">{KEY_NUMBERS}</h2>\n<dl class=\"cards\">\n"
     ));
     for number in numbers {
         out.push_str(&card(run, number));
@@ -30,13 +30,12 @@ pub(super) fn write(out: &mut String, run: &Run, numbers: &[KeyNumber]) {
 
 /// `<div>` of a number: its trade name, the value, what is known of it.
 fn card(run: &Run, number: &KeyNumber) -> String {
-    let texts = &PHRASES.numbers;
     let (factor, places, unit) = number.quantity().shown();
     let range = |low, high| html(&number.range(low, high));
     let shown = match number.value {
         Some(value) => {
             let unit = if unit.is_empty() { String::new() } else { format!("{NBSP}<small>{unit}</small>") };
-            let value = words::decimals(factor * value, places);
+            let value = words::rounded(value, number.interval(), (factor, places, ""));
             format!("<dd class=\"number\">{}{value}{unit}</dd>", number.sign())
         }
         None => format!("<dd class=\"number\">{ABSENT}</dd>"),
@@ -45,18 +44,17 @@ fn card(run: &Run, number: &KeyNumber) -> String {
     if let Some(reason) = &number.absent_because {
         lines.push(html(reason));
     }
-    if let (Some(low), Some(high)) = (number.low, number.high) {
+    if let Some((low, high)) = number.interval() {
         lines.push(format!("{}: {}", interval_name(number), range(low, high)));
     } else if let (Some(_), Some(reason)) = (number.value, &number.interval_by) {
         lines.push(html(reason));
     } else if number.value.is_some() {
-        lines.push(texts.no_interval.to_owned());
+        lines.push("no interval was computed".to_owned());
     }
     if let Some(spread) = &number.spread {
         let class = if number.interval_misses_a_sensor() { " class=\"beyond\"" } else { "" };
-        let texts_of_it = [("count", spread.sensors().to_string()), ("interval", range(spread.low, spread.high))];
-        let words = fill(texts.sensors, &texts_of_it);
-        lines.push(format!("<span{class}>{words}</span>"));
+        let (count, range) = (spread.sensors(), range(spread.low, spread.high));
+        lines.push(format!("<span{class}>{count} sensors: {range}</span>"));
     }
     lines.extend(remark(run, number));
     let lines: String = lines.into_iter().map(|line| format!("<dd>{line}</dd>")).collect();
@@ -69,49 +67,46 @@ fn card(run: &Run, number: &KeyNumber) -> String {
 
 /// The word of the trade.
 pub(crate) fn title(run: &Run, name: &str) -> String {
-    let texts = &PHRASES.numbers;
     if name == CRUSH.key && run.test.barrier.as_deref() == Some(ANOTHER_VEHICLE) {
-        return texts.motion_over_ground.to_owned();
+        return "Motion over ground".to_owned();
     }
     let filter = run.filter.as_ref().filter(|_| name == PEAK.key);
     match (filter.and_then(|filter| filter.cfc), filter.and_then(|filter| filter.cutoff_hz.first())) {
-        (Some(cfc), _) => fill(texts.peak_cfc, &[("cfc", cfc.to_string())]),
-        (None, Some(hz)) => fill(texts.peak_filtered, &[("frequency", words::quantity(*hz, 0, "Hz"))]),
+        (Some(cfc), _) => format!("Peak, CFC\u{a0}{cfc}"),
+        (None, Some(hz)) => format!("Peak, filtered at {}", words::quantity(*hz, 0, "Hz")),
         (None, None) => KeyQuantity::of(name).map_or_else(|| words::metric(name), |known| known.title.to_owned()),
     }
 }
 
 fn interval_name(number: &KeyNumber) -> String {
-    let texts = &PHRASES.numbers;
     match (number.interval_source, &number.interval_by) {
-        (Some(IntervalSourceV1::Replicates), _) => texts.inputs.to_owned(),
-        (Some(IntervalSourceV1::Resolution), _) => texts.resolution.to_owned(),
+        (Some(IntervalSourceV1::Replicates), _) => "inputs, 90\u{a0}%".to_owned(),
+        (Some(IntervalSourceV1::Resolution), _) => "resolution".to_owned(),
         (_, Some(by)) => html(by),
-        (_, None) => texts.interval.to_owned(),
+        (_, None) => "interval".to_owned(),
     }
 }
 
 fn remark(run: &Run, number: &KeyNumber) -> Option<String> {
-    let texts = &PHRASES.numbers;
     let events = run.events.as_ref();
-    let at = || number.at_s.map(|t| fill(texts.at, &[("time", words::quantity(MILLI * t, 1, "ms"))]));
+    let at = || number.at_s.map(|t| format!("at {}", words::quantity(MILLI * t, 1, "ms")));
     let is = |quantities: &[KeyQuantity]| quantities.contains(number.quantity());
     if is(&[PEAK, MAXIMUM_DELTA_V]) {
         at()
     } else if is(&[DELTA_V]) {
         let not_zero = events.is_some_and(|events| events.end_of_event_s.is_some());
-        at().filter(|_| not_zero).map(|at| format!("{at}{}", texts.does_not_reach_zero))
+        at().filter(|_| not_zero).map(|at| format!("{at}; the velocity does not reach zero"))
     } else if is(&[RESTITUTION]) {
         let rebound = events.and_then(|events| events.rebound_velocity_m_per_s)?.abs();
         let speed = words::quantity(KM_PER_H_PER_M_PER_S * rebound, 1, "km/h");
-        Some(fill(texts.rebound, &[("speed", speed)]))
+        Some(format!("rebound {speed}"))
     } else if is(&[TIME_OF_CRUSH]) {
         let ratio = events.and_then(|e| Some(e.centroid_time_s? / e.time_of_dynamic_crush_s?))?;
         Some(format!("t<sub>c</sub>/t<sub>m</sub> = {}", words::decimals(ratio, 3)))
     } else if is(&[OLC]) {
-        Some(texts.olc.to_owned())
+        Some("occupant load".to_owned())
     } else if is(&[HIC15, HIC36]) {
-        Some(texts.hic.to_owned())
+        Some("head injury criterion".to_owned())
     } else {
         number.side(run).map(str::to_owned)
     }
@@ -119,21 +114,28 @@ fn remark(run: &Run, number: &KeyNumber) -> Option<String> {
 
 /// What the intervals of the cards are, below the first screen.
 pub(super) fn write_caption(out: &mut String, numbers: &[KeyNumber]) {
-    let texts = &PHRASES.numbers;
+    let interval_by = |source: IntervalSourceV1| {
+        let of_source = numbers.iter().filter(|number| number.interval_source == Some(source));
+        of_source.filter_map(|number| number.interval_by.as_deref()).next().map(html)
+    };
     let mut sentences: Vec<String> = Vec::new();
-    for (source, template) in
-        [(IntervalSourceV1::Replicates, texts.inputs_caption), (IntervalSourceV1::Resolution, texts.resolution_caption)]
-    {
-        let by = numbers.iter().filter(|number| number.interval_source == Some(source));
-        let by = by.filter_map(|number| number.interval_by.as_deref()).next();
-        sentences.extend(by.map(|by| fill(template, &[("by", html(by))])));
+    if let Some(by) = interval_by(IntervalSourceV1::Replicates) {
+        sentences.push(format!(
+            "“Inputs”: {by} with mass, speed, gain, zero level and time zero within their stated uncertainty, one \
+             sensor."
+        ));
     }
+    sentences.extend(interval_by(IntervalSourceV1::Resolution).map(|by| format!("“Resolution”: {by}.")));
     if let Some(spread) = numbers.iter().find_map(|number| number.spread.as_ref()) {
         let channels = html(&spread.channels.join(", "));
-        sentences.push(fill(texts.sensors_caption, &[("channels", channels)]));
+        sentences.push(format!("“Sensors”: lowest to highest of channels {channels}, which measured the same motion."));
     }
     if numbers.iter().any(KeyNumber::interval_misses_a_sensor) {
-        sentences.push(texts.marked_caption.to_owned());
+        sentences.push(
+            "A marked range goes beyond the interval: the sensors differ by more than the stated uncertainty explains; \
+             take both together."
+                .to_owned(),
+        );
     }
     if !sentences.is_empty() {
         out.push_str(&format!("<p class=\"caption\">{}</p>\n", sentences.join(" ")));

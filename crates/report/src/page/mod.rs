@@ -1,7 +1,5 @@
 //! The page as HTML: its frame and its sections.
 
-use crate::phrases::PHRASES;
-
 pub mod candidates;
 pub mod channels;
 pub mod conclusion;
@@ -21,7 +19,7 @@ pub mod what_if;
 
 /// Heading of a section whose content is shown on demand; [`UNFOLDED`] ends it.
 fn folded(title: &str) -> String {
-    format!("<h2>{title}</h2>\n<details><summary>{}</summary>\n", PHRASES.remarks.show)
+    format!("<h2>{title}</h2>\n<details><summary>show</summary>\n")
 }
 
 /// The end of a section with a heading of [`folded`].

@@ -1,14 +1,12 @@
 //! The table of identified models and their poles.
 
-use crate::phrases::PHRASES;
-use crate::phrases::words;
+use crate::words;
 use std::f64::consts::TAU;
 
 use crate::drawing::Figure;
 use crate::drawing::escape::html;
-use crate::drawing::numbers::ABSENT;
+use crate::drawing::numbers::{ABSENT, Rounding};
 use crate::findings::{Concern, Model, ModelOutput, PoleStability, Run, is_of_a_failed_method};
-use crate::phrases::words::fill;
 use crumple_artifact::records::{
     EvidenceV1, IdentificationV1, ModeV1, NoiseModelV1, OtherPoleKindV1, RecommendedBecauseV1, SpreadV1,
 };
@@ -26,13 +24,13 @@ pub(super) fn write(out: &mut String, run: &Run, concerns: &[Concern], drawn: &[
     if run.models.is_empty() {
         return;
     }
-    let texts = &PHRASES.identification;
-    out.push_str(&format!("<section id=\"identification\">\n<h2>{}</h2>\n", texts.title));
+    out.push_str("<section id=\"identification\">\n<h2>Identification</h2>\n");
     // Of a crash they are a way to the physical model, of any other record they are the result.
     if !run.is_generic() {
-        let template = if run.models.len() == 1 { texts.one_model } else { texts.models };
-        let count = fill(template, &[("count", run.models.len().to_string())]);
-        out.push_str(&format!("<details><summary>{count}</summary>\n"));
+        let (count, models) = (run.models.len(), if run.models.len() == 1 { "model" } else { "models" });
+        out.push_str(&format!(
+            "<details><summary>{count} identified {models}: poles, order, frequency response</summary>\n"
+        ));
     }
     write_recommended(out, run);
     figures::write(out, drawn, "h3");
@@ -48,18 +46,21 @@ pub(super) fn write(out: &mut String, run: &Run, concerns: &[Concern], drawn: &[
 
 /// Which model of every output to use, and why.
 fn write_recommended(out: &mut String, run: &Run) {
-    let texts = &PHRASES.identification;
     for selection in &run.selections {
         let Some((id, because)) = selection.recommended.as_ref().zip(selection.recommended_because) else { continue };
         let because = match because {
-            RecommendedBecauseV1::SmallestBic => texts.smallest_bic.to_owned(),
+            RecommendedBecauseV1::SmallestBic => "it has the smallest BIC of all".to_owned(),
             RecommendedBecauseV1::ValidatesBetter => {
                 let other = selection.passed_over.as_deref().unwrap_or_default();
-                fill(texts.validates_better, &[("other", html(other))])
+                format!(
+                    "it follows unseen samples better than <code>{}</code>, which has the smallest BIC and a single \
+                     state",
+                    html(other)
+                )
             }
         };
-        let filled = [("model", html(id)), ("output", html(&selection.output)), ("because", because)];
-        out.push_str(&format!("<p>{}</p>\n", fill(texts.recommended, &filled)));
+        let (model, output) = (html(id), html(&selection.output));
+        out.push_str(&format!("<p>Use <code>{model}</code> for {output}: {because}.</p>\n"));
     }
 }
 
@@ -68,13 +69,11 @@ fn write_failed_methods(out: &mut String, concerns: &[Concern]) {
     let failed = concerns.iter().filter(|concern| is_of_a_failed_method(concern));
     let items: String = failed.map(|concern| format!("<li>{}</li>", html(&concern.text))).collect();
     if !items.is_empty() {
-        let title = PHRASES.identification.failed_methods;
-        out.push_str(&format!("<h3>{title}</h3>\n<ul class=\"remarks\">{items}</ul>\n"));
+        out.push_str(&format!("<h3>Not identified</h3>\n<ul class=\"remarks\">{items}</ul>\n"));
     }
 }
 
 fn write_model(out: &mut String, model: &Model) {
-    let texts = &PHRASES.identification;
     out.push_str(&format!("<h3><code>{}</code></h3>\n", html(&model.id)));
     let notes: Vec<Note> = model.identification.iter().flat_map(|i| &i.notes).map(|text| Note::parse(text)).collect();
     let list = |severity: Severity| -> String {
@@ -93,32 +92,31 @@ fn write_model(out: &mut String, model: &Model) {
     write_poles(out, model);
     let infos = list(Severity::Info);
     if !infos.is_empty() {
-        let count = fill(
-            texts.notes_of_model,
-            &[("count", notes.iter().filter(|n| n.severity == Severity::Info).count().to_string())],
-        );
-        out.push_str(&format!("<details><summary>{count}</summary>\n<ul class=\"remarks\">{infos}</ul>\n</details>\n"));
+        let count = notes.iter().filter(|n| n.severity == Severity::Info).count();
+        out.push_str(&format!(
+            "<details><summary>Notes on this model ({count})</summary>\n\
+             <ul class=\"remarks\">{infos}</ul>\n</details>\n"
+        ));
     }
 }
 
 /// How a model was identified and why the search for it stopped.
 fn facts(model: &Model, i: &IdentificationV1) -> Vec<String> {
-    let texts = &PHRASES.identification;
-    let taken_for = [("channel", i.channel.clone()), ("what", i.treated_as.replace('-', " "))];
-    // Between inputs and outputs a channel is what it is.
-    let template = if i.treated_as == BETWEEN { texts.output } else { texts.channel_taken_for };
-    let stretch = [("times", words::times(i.from_s, i.to_s)), ("count", i.samples.to_string())];
     let mut facts = vec![
-        fill(texts.method, &[("method", &i.method)]),
-        fill(texts.order, &[("order", i.order.to_string())]),
-        fill(template, &taken_for),
-        fill(texts.stretch, &stretch),
+        format!("method {}", i.method),
+        format!("order {}", i.order),
+        match i.treated_as.as_str() {
+            // Between inputs and outputs a channel is what it is.
+            BETWEEN => format!("output {}", i.channel),
+            other => format!("channel {} taken for {}", i.channel, other.replace('-', " ")),
+        },
+        format!("{}, {} samples", words::times(i.from_s, i.to_s), i.samples),
     ];
     if let (Some(rows), Some(columns)) = (i.hankel_rows, i.hankel_columns) {
-        facts.push(fill(texts.hankel, &[("rows", rows.to_string()), ("columns", columns.to_string())]));
+        facts.push(format!("Hankel matrix {rows} × {columns}"));
     }
     if let Some(reason) = model.evidence.as_ref().and_then(|evidence| evidence.stop_reason.as_ref()) {
-        facts.push(fill(texts.stopped, &[("reason", reason.replace('-', " "))]));
+        facts.push(format!("search stopped: {}", reason.replace('-', " ")));
     }
     facts
 }
@@ -128,28 +126,33 @@ fn write_outputs(out: &mut String, model: &Model) {
     if model.outputs.is_empty() {
         return;
     }
-    let texts = &PHRASES.identification;
     type Measure = fn(&ModelOutput) -> Option<f64>;
     let known = |of: Measure| model.outputs.iter().any(|output| of(output).is_some());
     let columns: Vec<(Column<'_>, Measure, usize)> = [
-        (Column::number(texts.fit_column).means(texts.fit_definition), (|o| o.fit_percent) as Measure, 2),
         (
-            Column::number(texts.restarted_column).means(texts.restarted_definition),
+            Column::number("Fit, %")
+                .means("Of the simulated output, with its start fitted, on the samples identified from."),
+            (|o| o.fit_percent) as Measure,
+            2,
+        ),
+        (
+            Column::number("Unseen, %").means("Fit of the samples kept for validation, with the start fitted to them."),
             |o| o.evidence.as_ref()?.validation_restarted_fit_percent,
             2,
         ),
         (
-            Column::number(texts.run_on_column).means(texts.run_on_definition),
+            Column::number("Run on, %").means("The same from the state at the end of the samples identified from."),
             |o| o.evidence.as_ref()?.validation_fit_percent,
             2,
         ),
         (
-            Column::number(texts.lag_one_column).means(texts.lag_one_definition),
+            Column::number("Errors at lag one")
+                .means("Autocorrelation of the errors of the simulation one sample apart; near 0: white."),
             |o| o.evidence.as_ref()?.residual_lag_one,
             3,
         ),
         (
-            Column::number(texts.effective_column).means(texts.effective_definition),
+            Column::number("Worth").means("Number of independent samples that the correlated errors are worth."),
             |o| o.evidence.as_ref()?.effective_samples,
             0,
         ),
@@ -158,7 +161,7 @@ fn write_outputs(out: &mut String, model: &Model) {
     .filter(|(_, of, _)| known(*of))
     .collect();
     let heads: Vec<Column<'_>> =
-        std::iter::once(Column::text(texts.output_column)).chain(columns.iter().map(|(column, ..)| *column)).collect();
+        std::iter::once(Column::text("Output")).chain(columns.iter().map(|(column, ..)| *column)).collect();
     out.push_str(&table("", &heads));
     for output in &model.outputs {
         let cell = |(_, of, digits): &(Column<'_>, Measure, usize)| {
@@ -174,31 +177,35 @@ fn write_outputs(out: &mut String, model: &Model) {
         |e: &&EvidenceV1| e.simulation_whiteness.zip(e.whiteness_limit).is_some_and(|(q, limit)| q > limit);
     if let Some(worst) = evidence().find(is_correlated) {
         let (count, all) = (evidence().filter(is_correlated).count(), evidence().count());
-        let counts = [
-            ("count", count.to_string()),
-            ("all", all.to_string()),
-            ("statistic", words::significant(worst.simulation_whiteness.unwrap_or_default(), 3)),
-            ("limit", words::significant(worst.whiteness_limit.unwrap_or_default(), 3)),
-            ("effect", effect_of_correlation(worst)),
-        ];
-        let template = if all > 1 { texts.correlated_of } else { texts.correlated };
-        out.push_str(&format!("<p class=\"caption\">{}</p>\n", fill(template, &counts)));
+        let of_what = if all > 1 { format!("{count} of {all} outputs") } else { "the simulation".to_owned() };
+        out.push_str(&format!(
+            "<p class=\"caption\">The errors of {of_what} are correlated (Q {}, {} allowed): {}.</p>\n",
+            words::significant(worst.simulation_whiteness.unwrap_or_default(), 3),
+            words::significant(worst.whiteness_limit.unwrap_or_default(), 3),
+            effect_of_correlation(worst)
+        ));
     }
 }
 
 /// What correlated errors do to the deviations of a model.
 fn effect_of_correlation(evidence: &EvidenceV1) -> String {
-    let texts = &PHRASES.identification;
     let has_spreads = evidence.frequency_spreads.iter().any(Option::is_some);
     let is_linearised = !evidence.frequency_deviations.is_empty() || !evidence.denominator_deviations.is_empty();
     match (&evidence.noise, evidence.effective_samples) {
         (Some(noise), _) if has_spreads && noise.is_white => match noise.model {
-            NoiseModelV1::OutputError => fill(texts.drawn_from_ar, &[("order", noise.ar_order.to_string())]),
-            NoiseModelV1::Arx => texts.drawn_from_arx.to_owned(),
+            NoiseModelV1::OutputError => {
+                format!("intervals are drawn from noise of an autoregression of order {}", noise.ar_order)
+            }
+            NoiseModelV1::Arx => "intervals are drawn from noise that goes through the poles of the system".to_owned(),
         },
-        (Some(noise), _) if !noise.is_white => texts.unexplained.to_owned(),
-        (_, Some(effective)) if is_linearised => fill(texts.counted, &[("count", words::decimals(effective, 0))]),
-        _ => texts.too_small.to_owned(),
+        (Some(noise), _) if !noise.is_white => {
+            "no noise model explains them, deviations would be too small, and intervals are left out".to_owned()
+        }
+        (_, Some(effective)) if is_linearised => format!(
+            "the deviations count as many independent samples as they are worth, {}",
+            words::decimals(effective, 0)
+        ),
+        _ => "deviations that take them for white would be too small".to_owned(),
     }
 }
 
@@ -207,20 +214,18 @@ const MOST_NUMERATORS: usize = 4;
 
 /// The polynomials of transfer functions with their deviations, or the sizes of a state space.
 fn write_form(out: &mut String, model: &Model) {
-    let texts = &PHRASES.identification;
     if !model.is_transfer_function() {
         let Some(states) = &model.state_space else { return };
         let sampled = match states.sample_time_s {
-            0.0 => texts.continuous.to_owned(),
-            dt_s => fill(texts.sampled, &[("time", words::significant(dt_s, 4))]),
+            0.0 => "continuous".to_owned(),
+            dt_s => format!("sampled every {} s", words::significant(dt_s, 4)),
         };
-        let sizes = [
-            ("states", states.a.len().to_string()),
-            ("inputs", states.b.first().map_or(0, Vec::len).to_string()),
-            ("outputs", states.c.len().to_string()),
-            ("sampled", sampled),
-        ];
-        out.push_str(&format!("<p>{}</p>\n", fill(texts.sizes, &sizes)));
+        out.push_str(&format!(
+            "<p>State space, {sampled}: states {}, inputs {}, outputs {}.</p>\n",
+            states.a.len(),
+            states.b.first().map_or(0, Vec::len),
+            states.c.len()
+        ));
         return;
     }
     let per_output = model.paths.len() / model.outputs.len().max(1);
@@ -231,17 +236,17 @@ fn write_form(out: &mut String, model: &Model) {
         let each = all.len() / per_output.max(1);
         let own = &all[(place % per_output.max(1)) * each..][..each];
         let name = match model.paths.len() {
-            1 => texts.numerator.to_owned(),
-            _ => fill(texts.numerator_of, &[("input", html(&path.input)), ("output", html(&path.output))]),
+            1 => "Numerator".to_owned(),
+            _ => format!("Numerator from {} to {}", html(&path.input), html(&path.output)),
         };
         lines.push(format!("{name}: {}", polynomial(&path.numerator, own)));
     }
     if model.paths.len() > MOST_NUMERATORS {
-        lines.push(fill(texts.more_numerators, &[("count", (model.paths.len() - MOST_NUMERATORS).to_string())]));
+        lines.push(format!("{} more numerators are in the artifact.", model.paths.len() - MOST_NUMERATORS));
     }
     if let Some(path) = model.paths.first() {
         let deviations = model.evidence.as_ref().map_or(&[][..], |evidence| &evidence.denominator_deviations);
-        lines.push(format!("{}: {}", texts.denominator, polynomial(&path.denominator, deviations)));
+        lines.push(format!("Denominator: {}", polynomial(&path.denominator, deviations)));
     }
     out.push_str(&format!("<p>{}</p>\n", lines.join("<br>\n")));
 }
@@ -283,7 +288,6 @@ struct PoleLine {
 
 /// The table of the poles of a model: its modes, then the poles that are none.
 fn write_poles(out: &mut String, model: &Model) {
-    let texts = &PHRASES.identification;
     let (cells, uncertainty) = cells_of_poles(model);
     let poles: Vec<([f64; 2], PoleStability)> = model.poles().collect();
     // A conjugate pair is one line; a pole without its partner, which a real model does not have, is its own.
@@ -299,24 +303,24 @@ fn write_poles(out: &mut String, model: &Model) {
     }
     let folded = lines.len() > OPEN_ROWS;
     if folded {
-        let count = fill(texts.poles_and_pairs, &[("count", lines.len().to_string())]);
-        out.push_str(&format!("<details><summary>{count}</summary>\n"));
+        out.push_str(&format!("<details><summary>{} poles and pairs</summary>\n", lines.len()));
     }
     let columns = [
-        Column::number(texts.pole),
-        Column::number(texts.natural_frequency).means(texts.natural_frequency_definition),
-        Column::number(texts.damping_ratio).means(texts.damping_ratio_definition),
-        Column::number(texts.coherence).means(texts.coherence_definition),
-        Column::number(texts.share).means(texts.share_definition),
+        Column::number("Pole, 1/s"),
+        Column::number("Natural frequency, Hz").means("Modulus of the pole over 2π."),
+        Column::number("Damping ratio, %").means("−Re over the modulus; negative: unstable."),
+        Column::number("Coherence")
+            .means("Modal amplitude coherence, 0 to 1: how well the mode follows its own decay."),
+        Column::number("Share").means("Mode singular value relative to the largest: the mode's share of the response."),
     ];
     let has_amplitudes = model.modes.iter().any(|mode| mode.modal_amplitude_coherence.is_some());
     let count = if has_amplitudes { columns.len() } else { columns.len() - 2 };
     out.push_str(&table("", &columns[..count]));
     for PoleLine { pole: [re, im], stability, cells } in lines {
         let word = match stability {
-            PoleStability::Stable => String::new(),
-            PoleStability::Marginal => format!(" {}", texts.marginal),
-            PoleStability::Unstable => format!(" <span class=\"no\">{}</span>", texts.unstable),
+            PoleStability::Stable => "",
+            PoleStability::Marginal => " marginal",
+            PoleStability::Unstable => " <span class=\"no\">unstable</span>",
         };
         let im = if im == 0.0 { String::new() } else { format!(" ± {}i", words::significant(im.abs(), 5)) };
         let cells: String = cells[..count - 1].iter().map(|cell| format!("<td class=\"n\">{cell}</td>")).collect();
@@ -343,7 +347,6 @@ fn write_zeros(out: &mut String, model: &Model) {
         format!("{}{deviation}", words::significant(value, 3))
     };
     let zeros = response.zeros_re_per_s.iter().zip(&response.zeros_im_rad_per_s).enumerate();
-    let texts = &PHRASES.identification;
     let all: Vec<String> = zeros
         .filter(|(_, (_, im))| **im >= 0.0)
         .map(|(place, (re, im))| {
@@ -353,30 +356,29 @@ fn write_zeros(out: &mut String, model: &Model) {
             });
             let (of_re, of_im) = known.unwrap_or_default();
             let (re, of_pair) = (number(*re, of_re), number(*im, of_im));
-            if *im == 0.0 { re } else { fill(texts.pair_of_zeros, &[("re", re), ("im", of_pair)]) }
+            if *im == 0.0 { re } else { format!("{re} with imaginary parts ±({of_pair})") }
         })
         .collect();
     if !all.is_empty() {
-        out.push_str(&format!("<p>{}</p>\n", fill(texts.zeros_of_model, &[("zeros", all.join("; "))])));
+        out.push_str(&format!("<p>Zeros, 1/s: {}.</p>\n", all.join("; ")));
     }
 }
 
 /// Natural frequency, damping ratio, coherence and share of every pole, in the order of [`Model::poles`], and in words
 /// where their uncertainty is from: the bootstrap, else the covariance of the fit, else nowhere.
 fn cells_of_poles(model: &Model) -> (Vec<[String; 4]>, &'static str) {
-    let texts = &PHRASES.identification;
     let number = |value: Option<f64>, deviation: Option<f64>, factor: f64, ends: Option<[f64; 2]>| {
         let Some(value) = value else { return ABSENT.to_owned() };
         let Some(deviation) = deviation.map(|d| factor * d).filter(|d| *d > 0.0 && d.is_finite()) else {
             return words::significant(factor * value, 4);
         };
-        // As many decimals as show two digits of the deviation.
-        let decimals = usize::try_from((1 - deviation.log10().floor() as i32).clamp(0, 9)).unwrap_or(0);
+        // Two digits of the deviation.
+        let rounding = Rounding::of_interval(-deviation, deviation).unwrap_or(Rounding::WITHOUT_INTERVAL);
         let ends = ends.map_or_else(String::new, |ends| {
-            let [low, high] = ends.map(|end| words::decimals(factor * end, decimals));
+            let [low, high] = ends.map(|end| rounding.show(factor * end));
             format!(" ({})", words::between(&low, &high))
         });
-        format!("{} ± {}{ends}", words::decimals(factor * value, decimals), words::significant(deviation, 2))
+        format!("{} ± {}{ends}", rounding.show(factor * value), rounding.show(deviation))
     };
     let evidence = model.evidence.as_ref();
     let by_covariance =
@@ -386,9 +388,13 @@ fn cells_of_poles(model: &Model) -> (Vec<[String; 4]>, &'static str) {
             .map(|spreads| spreads.iter().map(|spread| spread.as_ref().map(|spread| spread.deviation)).collect())
     };
     let is_known = |deviations: &[Vec<Option<f64>>; 2]| deviations.iter().flatten().any(Option::is_some);
-    let sources = [(evidence.map(by_bootstrap), texts.spread), (evidence.map(by_covariance), texts.deviation)];
+    let sources = [
+        (evidence.map(by_bootstrap), "± one standard deviation, and the 90 % interval, from the bootstrap."),
+        (evidence.map(by_covariance), "± one standard deviation, from the covariance of the linearised fit."),
+    ];
     let known = sources.into_iter().find_map(|(deviations, words)| Some((deviations.filter(is_known)?, words)));
-    let ([frequency, damping], words) = known.unwrap_or(([Vec::new(), Vec::new()], texts.no_deviation));
+    let ([frequency, damping], words) =
+        known.unwrap_or(([Vec::new(), Vec::new()], "No uncertainty of these poles is known."));
     let deviation = |of_modes: &[Option<f64>], place: usize| of_modes.get(place).copied().flatten();
     let ends = |spreads: fn(&EvidenceV1) -> &[Option<SpreadV1>], place: usize| {
         let spread = spreads(evidence?).get(place)?.as_ref()?;
@@ -406,10 +412,10 @@ fn cells_of_poles(model: &Model) -> (Vec<[String; 4]>, &'static str) {
     });
     let others = model.other_poles.iter().map(|pole| {
         let why = match pole.kind {
-            OtherPoleKindV1::Integrator => texts.integrator,
-            OtherPoleKindV1::BeyondNyquist => texts.beyond_nyquist,
-            OtherPoleKindV1::Cancelled => texts.cancelled,
-            OtherPoleKindV1::Harmonic => texts.harmonic,
+            OtherPoleKindV1::Integrator => "no mode: near zero",
+            OtherPoleKindV1::BeyondNyquist => "no mode: beyond the sampling",
+            OtherPoleKindV1::Cancelled => "no mode: a zero cancels it",
+            OtherPoleKindV1::Harmonic => "no mode: a machine that runs",
         };
         [why, ABSENT, ABSENT, ABSENT].map(str::to_owned)
     });

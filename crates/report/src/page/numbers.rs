@@ -4,9 +4,7 @@ use crate::drawing::escape::html;
 use crate::drawing::numbers::ABSENT;
 use crate::findings::Run;
 use crate::page::{UNFOLDED, folded};
-use crate::phrases::PHRASES;
-use crate::phrases::words;
-use crate::phrases::words::fill;
+use crate::words;
 use crumple_artifact::records::{EventsV1, MetricV1};
 
 use crate::frame::{self, Column};
@@ -19,19 +17,20 @@ pub(super) fn write(out: &mut String, run: &Run) {
     if run.events.is_none() && run.metrics.is_empty() {
         return;
     }
-    let texts = &PHRASES.numbers;
+    let title = "Events and metrics";
     // Where there are models the key numbers above are what is asked for first.
     let (heading, end) = match run.candidates.is_empty() {
-        true => (format!("<h2>{}</h2>\n", texts.events_and_metrics), "</section>\n"),
-        false => (folded(texts.events_and_metrics), UNFOLDED),
+        true => (format!("<h2>{title}</h2>\n"), "</section>\n"),
+        false => (folded(title), UNFOLDED),
     };
     out.push_str(&format!("<section>\n{heading}<div class=\"pair\">\n"));
     if let Some(events) = &run.events {
-        out.push_str(&format!("<div>\n<h3>{}</h3>\n", texts.events));
+        out.push_str("<div>\n<h3>Events</h3>\n");
         table(out, &event_rows(events));
         let rule = html(&events.time_zero_rule.replace('-', " "));
-        let caption = fill(texts.time_zero_rule, &[("rule", rule)]);
-        out.push_str(&format!("<p class=\"caption\">{caption}</p>\n</div>\n"));
+        out.push_str(&format!(
+            "<p class=\"caption\">Times count from time zero, which was set by: {rule}.</p>\n</div>\n"
+        ));
     }
     let channel = run.channel_id();
     let rest: Vec<&MetricV1> = run
@@ -56,9 +55,12 @@ pub(super) fn write(out: &mut String, run: &Run) {
                 interval_by: metric.interval_by.as_deref(),
             })
             .collect();
-        out.push_str(&format!("<div>\n<h3>{}</h3>\n", texts.metrics));
+        out.push_str("<div>\n<h3>Metrics</h3>\n");
         table(out, &rows);
-        out.push_str(&format!("<p class=\"caption\">{}</p>\n</div>\n", texts.point_at_a_name));
+        out.push_str(
+            "<p class=\"caption\">Point at a name for its definition, or the reason why a value is absent; point at an \
+             interval for how it was found.</p>\n</div>\n",
+        );
     }
     out.push_str("</div>\n");
     unlike_pulse(out, run);
@@ -75,12 +77,11 @@ fn unlike_pulse(out: &mut String, run: &Run) {
     if rows.is_empty() {
         return;
     }
-    let texts = &PHRASES.numbers;
-    let columns = [Column::text(texts.place), Column::text(texts.metric), Column::number(texts.value)];
-    out.push_str(&format!("<h3>{}</h3>\n{}", texts.of_others, frame::table("", &columns)));
+    let columns = [Column::text("Place"), Column::text("Metric"), Column::number("Value")];
+    out.push_str(&format!("<h3>Occupants, barrier and recorder</h3>\n{}", frame::table("", &columns)));
     for metric in rows {
         let shown = match metric.value {
-            Some(x) if metric.is_lower_bound => fill(texts.lower_bound, &[("value", words::value(x, &metric.unit))]),
+            Some(x) if metric.is_lower_bound => format!("{} (lower bound)", words::value(x, &metric.unit)),
             Some(x) => words::value(x, &metric.unit),
             None => format!("{ABSENT} ({})", metric.definition),
         };
@@ -133,17 +134,14 @@ fn other_channels(out: &mut String, run: &Run) {
     let is_range = |id: &str| ranges.contains(&id);
     channels.sort_by_key(|id| is_range(id));
     let others = channels.iter().filter(|id| !is_range(id)).count() - 1;
-    let texts = &PHRASES.numbers;
-    let template = if others == 1 { texts.other_channel } else { texts.other_channels };
+    let channels_word = if others == 1 { "channel" } else { "channels" };
     out.push_str(&format!(
-        "<details><summary>{}</summary>\n<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">{}</th>",
-        fill(template, &[("count", others.to_string())]),
-        texts.metric
+        "<details><summary>Metrics of {others} other {channels_word}, beside the pulse's</summary>\n\
+         <div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">Metric</th>"
     ));
     for id in &channels {
         let place = run.test.channel(id).map(|channel| channel.location.as_str()).unwrap_or_default();
-        let (title, head) =
-            if is_range(id) { (fill(texts.over, &[("channels", id)]), texts.range) } else { (place.to_owned(), *id) };
+        let (title, head) = if is_range(id) { (format!("over {id}"), "range") } else { (place.to_owned(), *id) };
         out.push_str(&format!(
             "<th scope=\"col\" class=\"n\"><abbr tabindex=\"0\" title=\"{}\">{}</abbr></th>",
             html(&title),
@@ -182,7 +180,6 @@ struct Row<'a> {
 
 /// The definition, its key and the part of the record.
 fn definition(metric: &MetricV1) -> String {
-    let texts = &PHRASES.numbers;
     let key = metric.definition_id.as_deref().filter(|_| metric.value.is_some());
     let mut text = metric.definition.clone();
     if let Some(id) = key {
@@ -190,9 +187,9 @@ fn definition(metric: &MetricV1) -> String {
     }
     match metric.from_s.zip(metric.to_s) {
         Some((from_s, to_s)) if from_s < to_s => {
-            text.push_str(&fill(texts.from_to, &[("interval", words::range(from_s, to_s, "s"))]));
+            text.push_str(&format!(", from {}", words::range(from_s, to_s, "s")));
         }
-        Some((from_s, _)) => text.push_str(&fill(texts.at_time, &[("time", words::value(from_s, "s"))])),
+        Some((from_s, _)) => text.push_str(&format!(", at {}", words::value(from_s, "s"))),
         None => {}
     }
     text
@@ -201,19 +198,20 @@ fn definition(metric: &MetricV1) -> String {
 fn table(out: &mut String, rows: &[Row]) {
     out.push_str("<table class=\"numbers\"><tbody>\n");
     for row in rows {
+        let known = row.value.zip(row.interval).map(|(x, ends)| words::value_and_range(x, ends, row.unit));
         let mut value = match row.value {
-            Some(x) => html(&words::value(x, row.unit)),
+            Some(x) => html(&known.as_ref().map_or_else(|| words::value(x, row.unit), |[value, _]| value.clone())),
             // A value that is not there says why, in print too.
             None => format!("{ABSENT} <span class=\"why\">{}</span>", html(&row.definition)),
         };
         if let (Some(_), None, Some(reason)) = (row.value, row.interval, row.interval_by) {
             value.push_str(&format!("<br><span class=\"why\">{}</span>", html(reason)));
         }
-        if let Some((low, high)) = row.interval.filter(|_| row.value.is_some()) {
+        if let Some([_, range]) = &known {
             value.push_str(&format!(
                 "<br><span class=\"interval\" tabindex=\"0\" title=\"{}\">{}</span>",
                 html(row.interval_by.unwrap_or_default()),
-                html(&words::range(low, high, row.unit))
+                html(range)
             ));
         }
         out.push_str(&format!(
@@ -226,7 +224,6 @@ fn table(out: &mut String, rows: &[Row]) {
 }
 
 fn event_rows(e: &EventsV1) -> Vec<Row<'_>> {
-    let texts = &PHRASES.numbers;
     let row = |field: &str, name: &str, value, unit, definition: &str| {
         let interval = e.intervals.iter().find(|interval| interval.name == field);
         Row {
@@ -242,38 +239,70 @@ fn event_rows(e: &EventsV1) -> Vec<Row<'_>> {
         }
     };
     let change = match (&e.end_of_event_rule, e.end_of_event_s) {
-        (Some(rule), Some(end_s)) => {
-            fill(texts.change_of_event, &[("time", words::value(end_s, "s").as_str()), ("rule", rule)])
-        }
-        _ => texts.change_definition.to_owned(),
+        (Some(rule), Some(end_s)) => format!(
+            "Impact speed minus the lowest velocity up to the end of the event at {} ({rule}); the velocity does not \
+             reach zero.",
+            words::value(end_s, "s")
+        ),
+        _ => "Impact speed minus rebound velocity.".to_owned(),
     };
     let mut rows = vec![
-        row("dynamic_crush_m", texts.crush_name, e.dynamic_crush_m, "m", texts.crush_definition),
-        row("time_of_dynamic_crush_s", texts.time_name, e.time_of_dynamic_crush_s, "s", texts.time_definition),
-        row("centroid_time_s", texts.centroid_name, e.centroid_time_s, "s", texts.centroid_definition),
+        row(
+            "dynamic_crush_m",
+            "dynamic crush C",
+            e.dynamic_crush_m,
+            "m",
+            "Displacement at the first zero of the velocity.",
+        ),
+        row(
+            "time_of_dynamic_crush_s",
+            "time of dynamic crush tₘ",
+            e.time_of_dynamic_crush_s,
+            "s",
+            "Time of the first zero of the velocity.",
+        ),
+        row(
+            "centroid_time_s",
+            "centroid time t<sub>c</sub>",
+            e.centroid_time_s,
+            "s",
+            "Centroid of the pulse from time zero to tₘ; C / v0.",
+        ),
         row(
             "rebound_velocity_m_per_s",
-            texts.rebound_name,
+            "rebound velocity",
             e.rebound_velocity_m_per_s,
             "m/s",
-            texts.rebound_definition,
+            "Lowest velocity after tₘ.",
         ),
-        row("time_of_rebound_s", texts.rebound_time_name, e.time_of_rebound_s, "s", texts.rebound_time_definition),
+        row("time_of_rebound_s", "time of rebound", e.time_of_rebound_s, "s", "Time of the rebound velocity."),
         row(
             "coefficient_of_restitution",
-            texts.restitution_name,
+            "coefficient of restitution e",
             e.coefficient_of_restitution,
             "1",
-            texts.restitution_definition,
+            "−rebound velocity / impact speed.",
         ),
-        row("delta_v_m_per_s", texts.change_name, e.delta_v_m_per_s, "m/s", &change),
-        row("impact_speed_m_per_s", texts.speed_name, e.impact_speed_m_per_s, "m/s", texts.speed_definition),
+        row("delta_v_m_per_s", "change of velocity", e.delta_v_m_per_s, "m/s", &change),
+        row(
+            "impact_speed_m_per_s",
+            "impact speed",
+            e.impact_speed_m_per_s,
+            "m/s",
+            "Speed the integration started from.",
+        ),
     ];
     if e.end_of_event_s.is_some() {
-        let rule = e.end_of_event_rule.as_deref().unwrap_or(texts.no_rule);
+        let rule = e.end_of_event_rule.as_deref().unwrap_or("rule not stated");
         let time = e.time_of_delta_v_s;
-        rows.push(row("time_of_delta_v_s", texts.change_time_name, time, "s", texts.change_time_definition));
-        rows.push(row("end_of_event_s", texts.end_name, e.end_of_event_s, "s", rule));
+        rows.push(row(
+            "time_of_delta_v_s",
+            "time of the change of velocity",
+            time,
+            "s",
+            "Time of the lowest velocity.",
+        ));
+        rows.push(row("end_of_event_s", "end of the event", e.end_of_event_s, "s", rule));
     }
     rows
 }

@@ -2,11 +2,9 @@
 
 use crate::drawing::escape::html;
 use crate::drawing::numbers::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
-use crate::findings::{LeftOut, Ranking, Run, Status, TestOfJointModel, candidate_name};
+use crate::findings::{LeftOut, Ranking, Run, Status, TestOfJointModel, capitalised, with_mass_against};
 use crate::page::{UNFOLDED, folded};
-use crate::phrases::PHRASES;
-use crate::phrases::words;
-use crate::phrases::words::fill;
+use crate::words;
 use crumple_artifact::records::{AnsweredByV1, PredictionV1};
 
 use crate::frame::{Column, table};
@@ -24,64 +22,60 @@ pub(super) fn write_first(out: &mut String, run: &Run, ranking: &Ranking, status
     if shown.is_empty() {
         return;
     }
-    let texts = &PHRASES.predictions;
     let level = shown.iter().flat_map(|prediction| &prediction.intervals).map(|interval| interval.level).next();
     let level = level.map_or_else(String::new, |level| words::quantity(1e2 * level, 0, "%"));
     let columns = [
-        Column::number(texts.speed_head),
-        Column::number(texts.crush_head),
+        Column::number("km/h"),
+        Column::number("crush, mm"),
         Column::number(&level),
-        Column::number(texts.peak_head),
-        Column::text(texts.range_head),
+        Column::number("peak, g"),
+        Column::text("test"),
     ];
-    let title = texts.at_other_speeds;
-    out.push_str(&format!("<section id=\"other-speeds\">\n<h2>{title}</h2>\n{}", table("", &columns)));
+    out.push_str(&format!("<section id=\"other-speeds\">\n<h2>At other speeds</h2>\n{}", table("", &columns)));
     shown.iter().take(SHOWN_FIRST).for_each(|prediction| first_row(out, run, prediction));
     let more = if all.len() > SHOWN_FIRST.min(shown.len()) {
-        format!("<p><a href=\"#predictions\">{}</a></p>\n", texts.all_predictions)
+        "<p><a href=\"#predictions\">all predictions</a></p>\n"
     } else {
-        String::new()
+        ""
     };
     let is_by_record = |prediction: &&&PredictionV1| prediction.peak_by == Some(AnsweredByV1::Record);
     let by_record = shown.iter().take(SHOWN_FIRST).find(is_by_record);
-    let caption = by_record.map_or_else(String::new, |_| format!("<p class=\"caption\">{}</p>\n", texts.peak_caption));
+    let caption = by_record
+        .map_or("", |_| "<p class=\"caption\">* Peak read from the test up to this energy, not from the model.</p>\n");
     out.push_str(&format!("</tbody>\n</table></div>\n{caption}{more}</section>\n"));
 }
 
+/// How a crush is shown in a column of mm.
+const IN_MM: (f64, usize, &str) = (MILLI, 0, "");
+
 fn first_row(out: &mut String, run: &Run, prediction: &PredictionV1) {
-    let texts = &PHRASES.predictions;
-    let mm = |m: f64| words::decimals(MILLI * m, 0);
     let or_absent = |text: Option<String>| text.unwrap_or_else(|| ABSENT.to_owned());
     let interval = prediction.intervals.iter().find(|interval| interval.name == "dynamic_crush_m");
+    let ends = interval.map(|interval| (interval.low, interval.high));
     let range = match prediction.extrapolates {
-        true => texts.beyond,
-        false if run.is_as_tested(prediction) => texts.as_tested,
-        false => texts.inside,
+        true => "beyond",
+        false if run.is_as_tested(prediction) => "as tested",
+        false => "inside",
     };
-    let phrases = &PHRASES.conclusion;
     let is_other_mass = !run.is_of_own_mass(prediction);
     let mass = is_other_mass.then(|| words::quantity(prediction.mass_kg, 0, "kg"));
-    let mass = mass.map(|mass| fill(phrases.with_mass, &[("mass", mass)]));
-    let partner = prediction.partner.as_ref();
-    let partner = partner.map(|partner| fill(phrases.against_partner, &[("partner", html(partner))]));
-    let other = [mass, partner].into_iter().flatten().collect::<String>();
+    let other = with_mass_against(mass, prediction.partner.as_deref().map(html).as_deref());
     let other = if other.is_empty() { other } else { format!("<br><small>{}</small>", other.trim_start()) };
     let peak = prediction.peak_acceleration_m_per_s2.map(|peak| {
         let peak = words::decimals(G_PER_M_PER_S2 * peak, 0);
         match prediction.peak_by {
-            Some(AnsweredByV1::Record) => fill(texts.by_the_record, &[("peak", peak)]),
+            Some(AnsweredByV1::Record) => format!("{peak}*"),
             _ => peak,
         }
     });
     out.push_str(&format!(
-        "<tr><td class=\"n\">{}{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>\
+        "<tr><td class=\"n\">{}{other}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>\
          <td{}>{range}</td></tr>\n",
         words::at_most(KM_PER_H_PER_M_PER_S * prediction.impact_speed_m_per_s, 1),
-        other,
-        or_absent(prediction.dynamic_crush_m.map(mm)),
-        or_absent(interval.map(|interval| words::between(&mm(interval.low), &mm(interval.high)))),
+        or_absent(prediction.dynamic_crush_m.map(|crush_m| words::rounded(crush_m, ends, IN_MM))),
+        or_absent(ends.map(|both| words::ends(both, ends, IN_MM))),
         or_absent(peak),
-        if prediction.extrapolates { " class=\"no\"" } else { "" },
+        if prediction.extrapolates { " class=\"no\"" } else { "" }
     ));
 }
 
@@ -89,57 +83,59 @@ pub(super) fn write(out: &mut String, run: &Run, status: Option<Status>) {
     if run.predictions.is_empty() {
         return;
     }
-    let texts = &PHRASES.predictions;
     let columns = [
-        Column::number(texts.speed),
-        Column::number(texts.mass),
-        Column::text(texts.model),
-        Column::number(texts.dynamic_crush),
-        Column::number(texts.time),
-        Column::number(texts.change),
+        Column::number("Speed, km/h"),
+        Column::number("Mass, kg"),
+        Column::text("Model"),
+        Column::number("Dynamic crush, mm"),
+        Column::number("t<sub>m</sub>, ms"),
+        Column::number("Δv, km/h"),
         Column::number("e"),
-        Column::number(texts.peak),
-        Column::number(texts.olc),
-        Column::text(texts.remarks_head),
+        Column::number("Peak (CFC 60), g"),
+        Column::number("OLC, g"),
+        Column::text("Remarks"),
     ];
-    out.push_str(&format!("<section id=\"predictions\">\n{}{}", folded(texts.title), table("", &columns)));
+    out.push_str(&format!("<section id=\"predictions\">\n{}{}", folded("Predictions"), table("", &columns)));
     for prediction in &run.predictions {
-        row(out, prediction, status);
+        row(out, run, prediction, status);
     }
-    out.push_str(&format!("</tbody>\n</table></div>\n<p class=\"caption\">{}</p>\n{UNFOLDED}", texts.caption));
+    out.push_str(&format!(
+        "</tbody>\n</table></div>\n<p class=\"caption\">The models of this test at other speeds and masses, against \
+         the same wall where nothing else is said. In brackets the 90 % interval: of the parameters as measured, of \
+         the inputs, of what adequate models differ by, of a rate effect that one test hardly shows, and of the force \
+         beyond the tested crush. Not in it: a part that was not reached, another failure mode, another overlap. \
+         Highlighted is the chosen model.</p>\n{UNFOLDED}"
+    ));
 }
 
-fn row(out: &mut String, prediction: &PredictionV1, status: Option<Status>) {
-    let texts = &PHRASES.predictions;
+fn row(out: &mut String, run: &Run, prediction: &PredictionV1, status: Option<Status>) {
     let cell = |value: Option<f64>, name: &str, factor: f64, digits: usize| {
         let Some(value) = value else { return format!("<td class=\"n\">{ABSENT}</td>") };
-        let interval = prediction.intervals.iter().find(|interval| interval.name == name).map(|interval| {
-            let end = |end: f64| words::decimals(factor * end, digits);
-            let ends = fill(texts.interval, &[("low", end(interval.low)), ("high", end(interval.high))]);
-            format!("<br><span tabindex=\"0\" title=\"{}\">{ends}</span>", html(&interval.interval_by))
+        let interval = prediction.intervals.iter().find(|interval| interval.name == name);
+        let known = interval.map(|interval| (interval.low, interval.high));
+        let shown = (factor, digits, "");
+        let interval = interval.map(|interval| {
+            let ends = words::ends((interval.low, interval.high), known, shown);
+            format!("<br><span tabindex=\"0\" title=\"{}\">[{ends}]</span>", html(&interval.interval_by))
         });
-        format!("<td class=\"n\">{}{}</td>", words::decimals(factor * value, digits), interval.unwrap_or_default())
+        format!("<td class=\"n\">{}{}</td>", words::rounded(value, known, shown), interval.unwrap_or_default())
     };
     let remarks: String = prediction.notes.iter().map(|note| format!("<li>{}</li>", html(note))).collect();
     let partner = partner(prediction);
-    let roles = &PHRASES.candidates;
-    let role = |name: &String| match name.as_str() {
-        "recommended" if status == Some(Status::DoNotUse) => PHRASES.model.in_doubt.to_lowercase(),
-        "recommended" => roles.badge_recommended.to_owned(),
-        "simplest" => roles.badge_simplest.to_owned(),
-        "closest" => roles.badge_closest.to_owned(),
-        other => other.to_owned(),
-    };
-    let names: Vec<String> = prediction.names.iter().map(role).collect();
+    let names = prediction.names.iter().map(|name| match name.as_str() {
+        "recommended" if status == Some(Status::DoNotUse) => "in doubt",
+        other => other,
+    });
+    let names: Vec<&str> = names.collect();
     let names = if names.is_empty() { String::new() } else { format!(" ({})", names.join(", ")) };
-    let asked = if prediction.asked { format!("<br><strong>{}</strong>", texts.asked) } else { String::new() };
+    let asked = if prediction.asked { "<br><strong>asked for</strong>" } else { "" };
     out.push_str(&format!(
         "<tr{}><td class=\"n\">{}{asked}</td><td class=\"n\">{}</td><td>{}{}{partner}</td>{}{}{}{}{}{}\
          <td>{}</td></tr>\n",
         if prediction.recommended { " class=\"best\"" } else { "" },
         words::decimals(KM_PER_H_PER_M_PER_S * prediction.impact_speed_m_per_s, 1),
         words::decimals(prediction.mass_kg, 0),
-        html(&candidate_name(&prediction.candidate)),
+        html(&capitalised(&run.name_of(&prediction.candidate))),
         html(&names),
         cell(prediction.dynamic_crush_m, "dynamic_crush_m", MILLI, 0),
         cell(prediction.time_of_dynamic_crush_s, "time_of_dynamic_crush_s", MILLI, 1),
@@ -152,7 +148,7 @@ fn row(out: &mut String, prediction: &PredictionV1, status: Option<Status>) {
         } else {
             format!(
                 "<details><summary>{}</summary><ul>{remarks}</ul></details>",
-                if prediction.extrapolates { texts.extrapolates } else { texts.remarks }
+                if prediction.extrapolates { "extrapolates" } else { "remarks" }
             )
         },
     ));
@@ -160,32 +156,32 @@ fn row(out: &mut String, prediction: &PredictionV1, status: Option<Status>) {
 
 /// What the vehicle meets and what that makes of the other, and of the occupant; nothing at the wall without one.
 fn partner(prediction: &PredictionV1) -> String {
-    let texts = &PHRASES.predictions;
     let number = |value: Option<f64>, factor: f64, digits: usize| {
         value.map_or_else(|| ABSENT.to_owned(), |value| words::decimals(factor * value, digits))
     };
     let mut lines = Vec::new();
     if let Some(both) = &prediction.collision {
-        let filled = [
-            ("partner", html(prediction.partner.as_deref().unwrap_or(texts.a_partner))),
-            ("mass", words::decimals(both.partner_mass_kg, 0)),
-            ("closing", words::decimals(KM_PER_H_PER_M_PER_S * both.closing_speed_m_per_s, 1)),
-            ("common", number(both.common_velocity_m_per_s, KM_PER_H_PER_M_PER_S, 1)),
-            ("mutual", number(both.mutual_crush_m, MILLI, 0)),
-            ("crush", number(both.partner_crush_m, MILLI, 0)),
-            ("energy", number(both.absorbed_j, 1e-3, 1)),
-            ("energy_of_partner", number(both.partner_absorbed_j, 1e-3, 1)),
-            ("change", number(both.partner_delta_v_m_per_s, KM_PER_H_PER_M_PER_S, 1)),
-        ];
-        lines.push(fill(texts.collision, &filled));
+        lines.push(format!(
+            "against {}, {} kg, closing at {} km/h: common velocity {} km/h, mutual crush {} mm, of it the partner’s \
+             {} mm; energy {} and {} kJ; partner’s Δv {} km/h",
+            html(prediction.partner.as_deref().unwrap_or("a partner")),
+            words::decimals(both.partner_mass_kg, 0),
+            words::decimals(KM_PER_H_PER_M_PER_S * both.closing_speed_m_per_s, 1),
+            number(both.common_velocity_m_per_s, KM_PER_H_PER_M_PER_S, 1),
+            number(both.mutual_crush_m, MILLI, 0),
+            number(both.partner_crush_m, MILLI, 0),
+            number(both.absorbed_j, 1e-3, 1),
+            number(both.partner_absorbed_j, 1e-3, 1),
+            number(both.partner_delta_v_m_per_s, KM_PER_H_PER_M_PER_S, 1)
+        ));
     }
     if let Some(occupant) = &prediction.occupant {
-        let filled = [
-            ("peak", words::decimals(G_PER_M_PER_S2 * occupant.peak_acceleration_m_per_s2, 1)),
-            ("excursion", words::decimals(MILLI * occupant.largest_excursion_m, 0)),
-            ("share", number(occupant.ride_down_share, 1e2, 0)),
-        ];
-        lines.push(fill(texts.occupant, &filled));
+        lines.push(format!(
+            "occupant: peak {} g, {} mm ahead of the compartment, ride-down {} %",
+            words::decimals(G_PER_M_PER_S2 * occupant.peak_acceleration_m_per_s2, 1),
+            words::decimals(MILLI * occupant.largest_excursion_m, 0),
+            number(occupant.ride_down_share, 1e2, 0)
+        ));
     }
     lines.iter().map(|line| format!("<br><small>{line}</small>")).collect()
 }
@@ -193,28 +189,33 @@ fn partner(prediction: &PredictionV1) -> String {
 /// The tests of a joint model as measured, and what the others say of each.
 pub(super) fn write_left_out(out: &mut String, run: &Run) {
     let Some(joint) = &run.joint else { return };
-    let texts = &PHRASES.joint;
     let columns = [
-        Column::text(texts.test),
-        Column::number(texts.mass),
-        Column::number(texts.speed),
-        Column::number(texts.crush),
-        Column::number(texts.time),
-        Column::number(texts.restitution),
-        Column::number(texts.crush_error),
-        Column::number(texts.time_error),
-        Column::number(texts.peak_error),
-        Column::number(texts.rating),
-        Column::text(texts.held),
-        Column::text(texts.by),
+        Column::text("Test"),
+        Column::number("Mass, kg"),
+        Column::number("Speed, km/h"),
+        Column::number("C, mm"),
+        Column::number("t<sub>m</sub>, ms"),
+        Column::number("e"),
+        Column::number("ΔC, %"),
+        Column::number("Δt<sub>m</sub>, %"),
+        Column::number("Δpeak, %"),
+        Column::number("ISO/TS 18571"),
+        Column::text("C in its 90 % interval"),
+        Column::text("By"),
     ];
-    out.push_str(&format!("<section id=\"tests\">\n<h2>{}</h2>\n{}", texts.title, table("", &columns)));
-    joint.tests.iter().for_each(|test| test_row(out, test));
-    out.push_str(&format!("</tbody>\n</table></div>\n<p class=\"caption\">{}</p>\n</section>\n", texts.caption));
+    out.push_str(&format!(
+        "<section id=\"tests\">\n<h2>The tests, and each predicted from the others</h2>\n{}",
+        table("", &columns)
+    ));
+    joint.tests.iter().for_each(|test| test_row(out, run, test));
+    out.push_str(
+        "</tbody>\n</table></div>\n<p class=\"caption\">Mass, speed, dynamic crush C, its time t<sub>m</sub> and \
+         restitution e of each test as measured; then what a model of the other tests alone says of it, less what was \
+         measured. This is how far a prediction by these tests was off in tests that were made.</p>\n</section>\n",
+    );
 }
 
-fn test_row(out: &mut String, joint: &TestOfJointModel) {
-    let (texts, page) = (&PHRASES.joint, &PHRASES.page);
+fn test_row(out: &mut String, run: &Run, joint: &TestOfJointModel) {
     let number = |value: Option<f64>, text: &dyn Fn(f64) -> String| {
         format!("<td class=\"n\">{}</td>", value.map_or_else(|| ABSENT.to_owned(), text))
     };
@@ -232,12 +233,15 @@ fn test_row(out: &mut String, joint: &TestOfJointModel) {
             out.push_str(&number(against.time_of_dynamic_crush_error_percent, &percent));
             out.push_str(&number(against.peak_acceleration_error_percent, &percent));
             out.push_str(&number(against.iso18571_score, &|v| words::decimals(v, 2)));
-            let held = if against.held.iter().any(|name| name == "dynamic_crush_m") { page.yes } else { page.no };
+            let held = if against.held.iter().any(|name| name == "dynamic_crush_m") { "yes" } else { "no" };
             let class = if against.missed_crush_percent().is_some() { " class=\"no\"" } else { "" };
-            out.push_str(&format!("<td{class}>{held}</td><td>{}</td>", html(&candidate_name(&prediction.candidate))));
+            out.push_str(&format!(
+                "<td{class}>{held}</td><td>{}</td>",
+                html(&capitalised(&run.name_of(&prediction.candidate)))
+            ));
         }
         (LeftOut::NotPredicted(why), _) => {
-            out.push_str(&format!("<td colspan=\"6\">{}</td>", fill(texts.not_predicted, &[("why", html(why))])));
+            out.push_str(&format!("<td colspan=\"6\">not predicted: {}</td>", html(why)));
         }
         _ => out.push_str(&format!("<td colspan=\"6\">{ABSENT}</td>")),
     }

@@ -2,33 +2,37 @@
 
 use crate::drawing::escape::html;
 use crate::drawing::numbers::ABSENT;
-use crate::findings::{CandidateResult, Ranking, Run, candidate_name};
+use crate::findings::{CandidateResult, Ranking, Run, capitalised};
 use crate::page::{UNFOLDED, folded};
-use crate::phrases::HowWellTexts;
-use crate::phrases::PHRASES;
-use crate::phrases::words;
-use crate::phrases::words::fill;
+use crate::words;
 use crumple_artifact::records::{RatingV1, SimulationV1};
 
 use crate::frame::{Column, heads};
-use crate::page::how_well::grade;
 
 /// A column: its quantity, the definition's key, heading, and what to say of it.
 type Rated = (&'static str, &'static str, &'static str, &'static str);
 
-const fn columns(texts: &HowWellTexts) -> [Rated; 9] {
-    [
-        ("acceleration", "iso18571", "ISO/TS 18571", texts.standard_definition),
-        ("acceleration", "cora", "CORA", texts.cora_definition),
-        ("acceleration", "sprague-geers-m", "M", texts.m_definition),
-        ("acceleration", "sprague-geers-p", "P", texts.p_definition),
-        ("acceleration", "sprague-geers-c", "C", texts.c_definition),
-        ("acceleration", "theil-u1", "Theil U1", texts.theil_definition),
-        ("displacement", "cora", "CORA", texts.cora_definition),
-        ("displacement", "sprague-geers-c", "C", texts.c_definition),
-        ("displacement", "theil-u1", "Theil U1", texts.theil_definition),
-    ]
-}
+const COLUMNS: [Rated; 9] = [
+    (
+        "acceleration",
+        "iso18571",
+        "ISO/TS 18571",
+        "0.4 corridor + 0.2 phase + 0.2 magnitude + 0.2 slope; 1 is equal. Sampled at 10 kHz only.",
+    ),
+    ("acceleration", "cora", "CORA", CORA),
+    ("acceleration", "sprague-geers-m", "M", "Sprague-Geers magnitude: sqrt(I_cc/I_mm) − 1; 0 is equal."),
+    ("acceleration", "sprague-geers-p", "P", "Sprague-Geers phase: acos(I_mc/sqrt(I_mm I_cc))/π; 0 is equal."),
+    ("acceleration", "sprague-geers-c", "C", COMPREHENSIVE),
+    ("acceleration", "theil-u1", "Theil U1", THEIL),
+    ("displacement", "cora", "CORA", CORA),
+    ("displacement", "sprague-geers-c", "C", COMPREHENSIVE),
+    ("displacement", "theil-u1", "Theil U1", THEIL),
+];
+
+// What the ratings of both quantities are.
+const CORA: &str = "0.5 corridor + 0.5 cross-correlation over the compared window; 1 is equal.";
+const COMPREHENSIVE: &str = "Sprague-Geers comprehensive: sqrt(M² + P²); 0 is equal.";
+const THEIL: &str = "Inequality |m − c|/(|m| + |c|), 0 to 1; 0 is equal.";
 
 pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     let mut rows: Vec<(&CandidateResult, &SimulationV1)> = run
@@ -40,33 +44,29 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         return;
     }
     rows.sort_by_key(|(candidate, _)| ranking.place(&candidate.id).unwrap_or(usize::MAX));
-    let texts = &PHRASES.how_well;
-    let columns = columns(texts);
-    let columns_of = |quantity: &str| columns.iter().filter(|column| column.0 == quantity).count() + 1;
+    let columns_of = |quantity: &str| COLUMNS.iter().filter(|column| column.0 == quantity).count() + 1;
     out.push_str(&format!(
-        "<section>\n{}<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\" rowspan=\"2\">{}</th>\
-         <th scope=\"colgroup\" colspan=\"{}\">{}</th><th scope=\"colgroup\" colspan=\"{}\">{}</th></tr>\n<tr>",
-        folded(texts.ratings),
-        texts.model,
+        "<section>\n{}<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\" rowspan=\"2\">Model</th>\
+         <th scope=\"colgroup\" colspan=\"{}\">Acceleration</th>\
+         <th scope=\"colgroup\" colspan=\"{}\">Displacement</th></tr>\n<tr>",
+        folded("Ratings: model against test"),
         columns_of("acceleration"),
-        texts.acceleration,
-        columns_of("displacement"),
-        texts.displacement
+        columns_of("displacement")
     ));
-    let fit = heads(&[Column::number(texts.fit).means(texts.fit_definition)]);
-    for (index, (quantity, id, heading, what)) in columns.iter().enumerate() {
+    let fit = heads(&[Column::number("Fit, %").means("100 (1 − |y − ŷ| / |y − mean y|).")]);
+    for (index, (quantity, id, heading, what)) in COLUMNS.iter().enumerate() {
         out.push_str(&format!(
             "<th scope=\"col\" class=\"n\"><abbr tabindex=\"0\" title=\"{} [{id}{}]\">{heading}</abbr></th>",
             html(what),
-            mark(&rows, quantity, id).map_or_else(String::new, |mark| fill(texts.mark, &[("mark", html(mark))]))
+            mark(&rows, quantity, id).map(|mark| format!(", mark {}", html(mark))).unwrap_or_default()
         ));
-        if columns.get(index + 1).is_none_or(|next| next.0 != *quantity) {
+        if COLUMNS.get(index + 1).is_none_or(|next| next.0 != *quantity) {
             out.push_str(&fit);
         }
     }
     out.push_str("</tr></thead>\n<tbody>\n");
     for (candidate, simulation) in &rows {
-        row(out, candidate, simulation, ranking);
+        row(out, run, ranking, candidate, simulation);
     }
     out.push_str("</tbody>\n</table></div>\n");
     caption(out, &rows);
@@ -82,19 +82,18 @@ fn mark<'a>(rows: &[(&CandidateResult, &'a SimulationV1)], quantity: &str, id: &
     rows.iter().find_map(|(_, simulation)| find(simulation, quantity, id)).map(|rating| rating.mark.as_str())
 }
 
-fn row(out: &mut String, candidate: &CandidateResult, simulation: &SimulationV1, ranking: &Ranking) {
-    let columns = columns(&PHRASES.how_well);
+fn row(out: &mut String, run: &Run, ranking: &Ranking, candidate: &CandidateResult, simulation: &SimulationV1) {
     let best = ranking.best.as_deref() == Some(&candidate.id);
     out.push_str(&format!(
         "<tr{}><td>{}</td>",
         if best { " class=\"best\"" } else { "" },
-        html(&candidate_name(&candidate.id))
+        html(&capitalised(&run.name_of(&candidate.id)))
     ));
     let percent = |fit: Option<f64>| {
         let shown = fit.map_or_else(|| ABSENT.to_owned(), |fit| words::decimals(fit, 2));
         format!("<td class=\"n\">{shown}</td>")
     };
-    for (index, (quantity, id, ..)) in columns.iter().enumerate() {
+    for (index, (quantity, id, ..)) in COLUMNS.iter().enumerate() {
         let rating = find(simulation, quantity, id);
         let shown = match rating.and_then(|rating| rating.value) {
             Some(value) if *id == "sprague-geers-m" => words::signed(value, 3),
@@ -102,12 +101,11 @@ fn row(out: &mut String, candidate: &CandidateResult, simulation: &SimulationV1,
             None => ABSENT.to_owned(),
         };
         let note = rating.and_then(|rating| rating.note.as_deref()).filter(|_| *id != "cora");
-        let note = note.map(grade);
         out.push_str(&match note {
             Some(note) => format!("<td class=\"n\"><abbr tabindex=\"0\" title=\"{}\">{shown}</abbr></td>", html(note)),
             None => format!("<td class=\"n\">{shown}</td>"),
         });
-        if columns.get(index + 1).is_none_or(|next| next.0 != *quantity) {
+        if COLUMNS.get(index + 1).is_none_or(|next| next.0 != *quantity) {
             let acceleration = *quantity == "acceleration";
             out.push_str(&percent(if acceleration {
                 simulation.fit_acceleration_percent
@@ -121,14 +119,18 @@ fn row(out: &mut String, candidate: &CandidateResult, simulation: &SimulationV1,
 
 /// The window and what CORA's published formulas leave to the one who computes them.
 fn caption(out: &mut String, rows: &[(&CandidateResult, &SimulationV1)]) {
-    let texts = &PHRASES.how_well;
     let (from_s, to_s) = rows.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(from, to), (_, simulation)| {
         (simulation.from_s.min(from), simulation.to_s.max(to))
     });
     let cora = rows.iter().find_map(|(_, simulation)| {
         let rating = simulation.ratings.iter().find(|rating| rating.definition_id == "cora")?;
-        Some(fill(texts.cora_has, &[("mark", html(&rating.mark)), ("note", html(rating.note.as_deref()?))]))
+        Some(format!(" CORA (mark {}) has {}.", html(&rating.mark), html(rating.note.as_deref()?)))
     });
-    let filled = [("times", words::times(from_s, to_s)), ("cora", cora.unwrap_or_default())];
-    out.push_str(&format!("<p class=\"caption\">{}</p>\n", fill(texts.ratings_caption, &filled)));
+    out.push_str(&format!(
+        "<p class=\"caption\">Over {} after time zero. ISO/TS 18571 and CORA: 1 is equal; M, P, C (Sprague-Geers) and \
+         Theil's U1: 0 is equal. Roadside practice accepts |M| and P up to 0.4.{} Marks: C checked, S after a \
+         secondary source, M from memory, U uncertain.</p>\n",
+        words::times(from_s, to_s),
+        cora.unwrap_or_default()
+    ));
 }

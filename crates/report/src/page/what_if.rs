@@ -2,10 +2,8 @@
 
 use crate::drawing::escape::html;
 use crate::drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
-use crate::findings::candidate_name;
+use crate::findings::capitalised;
 use crate::findings::{CandidateResult, Ranking, Run};
-use crate::phrases::PHRASES;
-use crate::phrases::words::fill;
 use crumple_artifact::records::CandidateV1;
 use crumple_lumped::{Element, Extrapolation, ForceDeflection, Node, PiecewiseLinear, structure_of};
 use crumple_signal::Sampled;
@@ -21,9 +19,7 @@ pub(super) const STYLE: &str = include_str!("what_if/style.css");
 pub(super) const SCRIPT: Script = Script { name: "what-if", text: include_str!("what_if/what_if.js") };
 
 /// A drawing that the script fills.
-fn panel(title: &str) -> String {
-    format!("<svg viewBox=\"0 0 350 210\" role=\"img\"><title>{title}</title></svg>")
-}
+const PANEL: &str = "<svg viewBox=\"0 0 350 210\" role=\"img\"><title>Motion over time</title></svg>";
 
 /// Points of a measured curve beside the model's.
 const POINTS: usize = 300;
@@ -32,17 +28,15 @@ const POINTS: usize = 300;
 pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking, files: &PageFiles) {
     let Some(candidate) = ranking.best.as_deref().and_then(|id| run.candidate(id)) else { return };
     let Some(data) = data(run, candidate) else { return };
-    let texts = &PHRASES.what_if;
-    let panel = panel(texts.motion_over_time);
     out.push_str(&format!(
-        "<section id=\"what-if\" aria-labelledby=\"what-if-title\" hidden>\n<h2 id=\"what-if-title\">{}</h2>\n\
-         <p>{}</p>\n<div class=\"controls\"></div>\n<p class=\"answer\" aria-live=\"polite\"></p>\n\
-         <div class=\"panels\">{panel}{panel}</div>\n<p class=\"caption state\"></p>\n</section>\n\
-         {}{}{}",
-        texts.title,
-        fill(texts.not_fitted, &[("model", html(&candidate_name(&candidate.id)))]),
+        "<section id=\"what-if\" aria-labelledby=\"what-if-title\" hidden>\n<h2 id=\"what-if-title\">What if</h2>\n\
+         <p>{}, computed in this page with other numbers. Not fitted to anything: it shows what the model says, not \
+         what a vehicle does.</p>\n\
+         <div class=\"controls\"></div>\n<p class=\"answer\" aria-live=\"polite\"></p>\n\
+         <div class=\"panels\">{PANEL}{PANEL}</div>\n<p class=\"caption state\"></p>\n</section>\n\
+         {}{}",
+        html(&capitalised(&run.name_of(&candidate.id))),
         json_element("what-if-data", &data),
-        json_element("what-if-words", texts),
         files.script(SCRIPT)
     ));
 }

@@ -4,8 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::compare::first_screen::shell_word;
-use crate::phrases::PHRASES;
-use crate::{ComparedRun, RunComparison, fill};
+use crate::{ComparedRun, RunComparison};
 use anyhow::Context;
 use crumple_artifact::{OutputKind, write_atomically};
 use crumple_stage::{
@@ -26,7 +25,7 @@ pub fn compare(folders: &[PathBuf], page: &Path, markdown: Option<&Path>, quiet:
     for (folder, name) in folders.iter().zip(told_apart(folders)) {
         let artifacts = artifacts_of_a_run(folder)?;
         let is_earlier = Pipeline::failure_in(folder).is_some();
-        let name = if is_earlier { fill(PHRASES.runs.of_an_earlier_run, &[("name", name)]) } else { name };
+        let name = if is_earlier { format!("{name} (results of an earlier run)") } else { name };
         refuse_to_overwrite(page, OutputKind::Report, &artifacts)?;
         keep_budget(&artifacts, ExitStatus::Refused);
         let note = Some(folder.join(Pipeline::OF_A_RUN)).filter(|note| note.is_file());

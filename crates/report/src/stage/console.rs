@@ -1,6 +1,5 @@
 //! What a person at the terminal reads of a run.
 
-use crate::phrases::PHRASES;
 use std::path::Path;
 
 use crate::{OverviewLine, Ranking, Run, Summary, overview};
@@ -14,9 +13,8 @@ pub fn lines(run: &Run, ranking: &Ranking, summary: &Summary, report: &Path) -> 
     let mut printed: Vec<String> = sentences.flat_map(|sentence| wrapped(sentence, columns)).collect();
     let folder = report.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut lines = overview(run, ranking, summary, folder);
-    let label = PHRASES.conclusion.files_label.to_owned();
     let text = report.display().to_string();
-    lines.push(OverviewLine { label, text, code: String::new(), may_be_cut: false });
+    lines.push(OverviewLine { label: "report".to_owned(), text, code: String::new(), may_be_cut: false });
     let width = lines.iter().map(|line| line.label.chars().count()).max().unwrap_or(0) + 2;
     for OverviewLine { label, text, code, may_be_cut } in &lines {
         let code = if code.is_empty() { String::new() } else { format!(" [{code}]") };

@@ -1,12 +1,11 @@
 //! Gathers a run from artifacts: by topic, not by position.
 
 use crate::findings::StatedInFile;
-use crate::phrases::PHRASES;
 use std::collections::BTreeMap;
 
 use crate::{
     CandidateResult, Element, JointTests, MeasuredWaves, Model, ModelOutput, Run, SensorMotion, StageRecord,
-    compare_ids, fill,
+    compare_ids,
 };
 use crumple_artifact::Artifact;
 use crumple_artifact::records::{
@@ -24,10 +23,9 @@ use crumple_stage::{Inputs, Pipeline, Refused, is_no_result, program, remarks_of
 /// Refuses artifacts whose records do not decode, and inputs that hold nothing a report could show.
 pub fn gather(inputs: &Inputs, pipeline: Option<&Pipeline>) -> anyhow::Result<Run> {
     let mut run = Run::default();
-    let texts = &PHRASES.remarks;
     match inputs.record_if::<TestV1>("/test")? {
         Some(_) => run.test = inputs.test()?,
-        None => run.missing.push(texts.no_description.to_owned()),
+        None => run.missing.push("the test description (ingest writes it)".to_owned()),
     }
     run.joint = inputs.record_if::<TestsV2>("/tests")?.map(JointTests::new);
     run.events = inputs.record_if("/events")?;
@@ -283,7 +281,12 @@ pub fn stage_record(artifact: &Artifact) -> StageRecord {
 fn collect_remarks(inputs: &Inputs, run: &mut Run) -> anyhow::Result<()> {
     let mut all: Vec<RemarkV1> = Vec::new();
     let is_known = |all: &[RemarkV1], remark: &RemarkV1| {
-        all.iter().any(|known| (&known.stage, &known.text) == (&remark.stage, &remark.text))
+        let is_same = |known: &RemarkV1| match remark.code.as_str() {
+            // A program of before states no code.
+            "" => known.text == remark.text,
+            code => (&*known.code, &known.about, &known.values) == (code, &remark.about, &remark.values),
+        };
+        all.iter().any(|known| known.stage == remark.stage && is_same(known))
     };
     for artifact in inputs.artifacts() {
         let is_of_before = artifact.records().iter().all(|record| record.topic != "/remarks");
@@ -310,10 +313,11 @@ fn collect_remarks(inputs: &Inputs, run: &mut Run) -> anyhow::Result<()> {
 }
 
 fn name_what_is_missing(run: &mut Run, without_parameters: usize) {
-    let texts = &PHRASES.remarks;
     let mut missing = std::mem::take(&mut run.missing);
     if run.is_generic() {
-        missing.push(texts.no_crash.to_owned());
+        missing.push(
+            "motion, events and physical parameters: no channel is named as a pulse (--channel names one)".to_owned(),
+        );
         run.missing = missing;
         return;
     }
@@ -327,33 +331,41 @@ fn name_what_is_missing(run: &mut Run, without_parameters: usize) {
             missing.push(what.to_owned());
         }
     };
-    add(run.channel_id().is_none(), texts.no_pulse);
-    add(run.measured.raw.is_none(), texts.no_raw);
-    add(run.measured.filtered.is_none(), texts.no_filtered);
-    add(run.events.is_none() && run.metrics.is_empty(), texts.no_events);
-    let no_motion =
-        if run.test.impact_speed_m_per_s.is_none() { texts.no_motion_without_speed } else { texts.no_motion };
+    add(run.channel_id().is_none(), "the crash pulse: the test names none of its channels (--channel does)");
+    add(run.measured.raw.is_none(), "acceleration as read (ingest writes it)");
+    add(run.measured.filtered.is_none(), "filtered acceleration (filter writes it)");
+    add(
+        run.events.is_none() && run.metrics.is_empty(),
+        "crash events, velocity, displacement and metrics (integrate writes them)",
+    );
+    let no_motion = match run.test.impact_speed_m_per_s {
+        None => "vehicle motion: the record has no impact speed (add --impact-speed)",
+        Some(_) => "vehicle motion: see the notes of integrate",
+    };
     let has_motion = run.measured.displacement.is_some();
     add(run.events.is_none() && !run.metrics.is_empty() && !has_motion, no_motion);
-    add(run.events.is_some() && !has_motion, texts.no_displacement);
+    add(run.events.is_some() && !has_motion, "velocity and displacement (integrate writes them)");
     // A stage that ran has found none, and says why.
-    let why_none = |stage: &str, what: &str| {
+    let none_of = |what: &str, stage: &str| {
         let ran = run.provenance.iter().any(|record| record.stage == stage);
         let reason = run.without.as_deref().or_else(|| {
             let diagnosed = run.remarks.iter().find(|remark| is_no_result(remark));
             diagnosed.map(|remark| remark.text.as_str())
         });
-        reason.filter(|_| ran).map(|reason| fill(texts.none_found, &[("what", what), ("reason", reason)]))
+        match reason.filter(|_| ran) {
+            Some(reason) => format!("{what}: none found, {reason}"),
+            None => format!("{what} ({stage} writes them)"),
+        }
     };
-    let [models, parameters] = [
-        why_none("identify", texts.models).unwrap_or_else(|| texts.no_models.to_owned()),
-        why_none("parameter-solve", texts.parameters).unwrap_or_else(|| texts.no_parameters.to_owned()),
-    ];
-    add(run.models.is_empty(), &models);
-    add(run.candidates.is_empty(), &parameters);
-    add(run.responses.is_none() && !run.candidates.is_empty(), texts.no_responses);
+    add(run.models.is_empty(), &none_of("identified models", "identify"));
+    add(run.candidates.is_empty(), &none_of("physical parameters", "parameter-solve"));
+    add(
+        run.responses.is_none() && !run.candidates.is_empty(),
+        "ranking: the candidates were not simulated (by the stage simulate)",
+    );
     if without_parameters > 0 {
-        missing.push(fill(texts.without_parameters, &[("count", without_parameters.to_string())]));
+        missing
+            .push(format!("the parameters of {without_parameters} simulated candidates (parameter-solve writes them)"));
     }
     run.missing = missing;
 }

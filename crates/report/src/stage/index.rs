@@ -4,8 +4,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
-use crate::phrases::PHRASES;
-use crate::{IndexedRun, OF_SEVERAL_TESTS, RunIndex, Summary, fill, pulse_line};
+use crate::{IndexedRun, OF_SEVERAL_TESTS, RunIndex, Summary, pulse_line};
 use crumple_artifact::{Artifact, OutputKind};
 use crumple_diff::DiffError;
 use crumple_stage::{
@@ -100,14 +99,16 @@ fn listed(list: &Path) -> anyhow::Result<Vec<PathBuf>> {
 fn ending(folder: &Path, summary: Option<&Summary>) -> (i32, String) {
     let failed = Pipeline::failure_in(folder).map(i32::from);
     match (summary, failed) {
-        (Some(_), Some(code)) => (code, PHRASES.runs.earlier_report.to_owned()),
+        (Some(_), Some(code)) => {
+            (code, "the last run ended before its report: the numbers are those of the run before".to_owned())
+        }
         (Some(summary), None) => IndexedRun::ending(summary),
         (None, code) => {
             let is_missing = |stage: &ChainStage| {
                 !stage.is_optional && stage.outputs.iter().any(|name| !folder.join(name).is_file())
             };
             let stage = chain().find(is_missing).map_or("", |stage| stage.name);
-            (code.unwrap_or(ExitStatus::Failure as i32), fill(PHRASES.runs.ended_at, &[("stage", stage)]))
+            (code.unwrap_or(ExitStatus::Failure as i32), format!("the run ended at {stage}, before its report"))
         }
     }
 }

@@ -9,7 +9,7 @@ mod index;
 mod pictures;
 mod results;
 mod run_folders;
-mod together;
+pub mod together;
 
 use std::fs::{self, File};
 use std::io::Write;

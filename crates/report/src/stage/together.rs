@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::{LeftOut, Page, Ranking};
+use crate::{Conclusion, LeftOut, Page, Ranking, Run, summary};
 use crumple_artifact::OutputKind;
-use crumple_artifact::records::{DiagnosisV1, PredictionV1};
+use crumple_artifact::records::{DiagnosisV1, PredictionV1, RemarkV1};
 use crumple_stage::{ExitStatus, Refused, by_way, keep_budget, load_artifacts, refuse_to_overwrite, say};
 
 use super::compare::write;
+use super::console;
 use super::gather::gather;
 
 /// Joint candidates.
@@ -15,11 +16,50 @@ const SOLVED: &str = "5-parameter-solve.mcap";
 /// Predictions.
 const PREDICTED: &str = "7-predict.mcap";
 
+/// What a joint result says first: the verdict, the remarks behind it, and the lines of the console.
+pub struct JointAnswer {
+    /// Status, sentences, and what the answer is good for.
+    pub verdict: Conclusion,
+    /// What the stages and the report remark, strongest first.
+    pub remarks: Vec<RemarkV1>,
+    /// As the terminal shows it.
+    pub lines: Vec<String>,
+}
+
+impl JointAnswer {
+    /// Of the folder of a joint result. Refuses one that holds none.
+    pub fn of_folder(folder: &Path) -> anyhow::Result<Self> {
+        let run = joint_run(folder)?;
+        let ranking = Ranking::of_run(&run);
+        let summary = summary(&run, &ranking);
+        let lines = console::lines(&run, &ranking, &summary, &folder.join("report.html"));
+        Ok(Self { verdict: summary.verdict, remarks: summary.remarks, lines })
+    }
+}
+
 /// Reads the folder of a joint result, as `crumple-together` makes it, and writes its page.
 pub fn together(folder: &Path, page: &Path, pipeline: Option<String>, quiet: bool) -> anyhow::Result<ExitStatus> {
-    let artifacts: Vec<PathBuf> =
-        [SOLVED, PREDICTED].map(|name| folder.join(name)).into_iter().filter(|path| path.is_file()).collect();
-    refuse_to_overwrite(page, OutputKind::Report, &artifacts)?;
+    refuse_to_overwrite(page, OutputKind::Report, &artifacts(folder))?;
+    let mut run = joint_run(folder)?;
+    run.pipeline = pipeline;
+    let ranking = Ranking::of_run(&run);
+    let mut html = Vec::new();
+    Page::new(&run, &ranking).write_to(&mut html)?;
+    write(page, OutputKind::Report, &String::from_utf8_lossy(&html))?;
+    if !quiet {
+        say(page.display());
+    }
+    Ok(ExitStatus::Done)
+}
+
+/// Those of a joint result that are there.
+fn artifacts(folder: &Path) -> Vec<PathBuf> {
+    [SOLVED, PREDICTED].map(|name| folder.join(name)).into_iter().filter(|path| path.is_file()).collect()
+}
+
+/// What the artifacts of a joint result say, and of each test what the others say of it.
+fn joint_run(folder: &Path) -> anyhow::Result<Run> {
+    let artifacts = artifacts(folder);
     keep_budget(&artifacts, ExitStatus::Refused);
     let no_model = || {
         Refused::new(format!("{} holds no model of several tests", folder.display())).hint(format!(
@@ -35,15 +75,7 @@ pub fn together(folder: &Path, page: &Path, pipeline: Option<String>, quiet: boo
     for test in &mut joint.tests {
         test.left_out = left_out(&folder.join(format!("without-{}", test.test.name)))?;
     }
-    run.pipeline = pipeline;
-    let ranking = Ranking::of_run(&run);
-    let mut html = Vec::new();
-    Page::new(&run, &ranking).write_to(&mut html)?;
-    write(page, OutputKind::Report, &String::from_utf8_lossy(&html))?;
-    if !quiet {
-        say(page.display());
-    }
-    Ok(ExitStatus::Done)
+    Ok(run)
 }
 
 /// What the others say of a test: in the folder in which it was left out.

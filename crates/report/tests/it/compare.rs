@@ -39,7 +39,10 @@ fn what_is_apart_by_more_than_a_millimetre_is_marked_and_what_is_not_is_not() {
     assert_eq!((page.matches("class=\"differs\"").count(), text.matches('≠').count()), (1, 1), "{text}");
     assert!(page.contains("These differ by more than") && page.contains(": Dynamic crush C.</p>"), "{text}");
     // The test is the same, so that it is drawn once, with both models over it.
-    assert!(page.contains("test, the same in all runs") && page.contains("</svg>a, model (Double"), "{page}");
+    assert!(
+        page.contains("test, the same in all runs") && page.contains("</svg>a, double spring-mass-damper ("),
+        "{page}"
+    );
     for hostile in ["<b>impact", "window.broken = true</script>"] {
         assert!(!page.contains(hostile) && !text.contains(hostile));
     }

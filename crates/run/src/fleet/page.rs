@@ -7,8 +7,8 @@ use std::path::Path;
 use anyhow::Context;
 use crumple_artifact::{Artifact, OutputKind, write_atomically};
 use crumple_report::drawing::{Axis, Colour, Dash, Figure, Link, Look, Panel, Symbol, span};
-use crumple_report::phrases::{PHRASES, words};
 use crumple_report::run_numbers::{CRUSH, MASS, OLC, RESTITUTION, SPEED, STIFFNESS, YEAR};
+use crumple_report::words;
 use crumple_report::{FiguresOfRuns, IndexedRun, RunIndex, RunNumber, pulse_line, write_shared_files};
 use rayon::prelude::*;
 
@@ -23,11 +23,13 @@ const COLUMNS: usize = 24;
 /// Height of a panel, of its own 560 of width.
 const HEIGHT_OF_COLUMNS: f64 = 210.0;
 
+/// Names the columns and the axis they rise along.
+const RUNS: &str = "runs";
+
 /// Numbers of runs by value, a panel a quantity; those that fewer than two runs have are left out.
 pub(crate) fn distributions(rows: &[Row], quantities: &[RunNumber]) -> Figure {
-    let texts = &PHRASES.fleet;
-    let mut figure = Figure::new("distributions", texts.runs_by_value);
-    let entry = figure.entry(texts.runs, Look::line(Colour::Series(0), Dash::Solid), true);
+    let mut figure = Figure::new("distributions", "Runs by value");
+    let entry = figure.entry(RUNS, Look::line(Colour::Series(0), Dash::Solid), true);
     for quantity in quantities {
         let values: Vec<f64> = rows.iter().filter_map(|row| quantity.value(row.summary.as_ref()?)).collect();
         if values.len() > 1 {
@@ -48,7 +50,7 @@ fn columns_of(entry: usize, quantity: &RunNumber, values: &[f64]) -> Panel {
     }
     let edges: Vec<f64> = (0..=COLUMNS).map(|k| low + width * k as f64).collect();
     let most = counts.iter().copied().fold(1.0, f64::max);
-    let up = Axis { whole: true, ..Axis::new(PHRASES.fleet.runs) }.from_to([0.0, 1.08 * most]);
+    let up = Axis { whole: true, ..Axis::new(RUNS) }.from_to([0.0, 1.08 * most]);
     let mut panel =
         Panel { height: HEIGHT_OF_COLUMNS, ..Panel::new(Axis::new(quantity.label()).from_to([low, high]), up) };
     panel.columns(entry, &edges, &counts);
@@ -70,7 +72,6 @@ pub(crate) fn write_page(fleet: &Path, rows: &[Row], options: &Options) -> anyho
 }
 
 fn page(fleet: &Path, rows: &[Row]) -> String {
-    let texts = &PHRASES.fleet;
     let name = fleet.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let differ = |row: &Row| row.run.pipeline_name != rows[0].run.pipeline_name || !row.run.settings.is_empty();
     let several = rows.iter().any(differ);
@@ -79,21 +80,22 @@ fn page(fleet: &Path, rows: &[Row]) -> String {
     let scatters = [("stiffness", STIFFNESS), ("crush", CRUSH), ("olc", OLC)];
     let figures = vec![
         FiguresOfRuns {
-            heading: texts.over,
-            text: texts.no_law,
+            heading: "Over mass, speed and model year",
+            text: "Mass, speed, year and class differ together in what was tested: a line here describes these runs, \
+                   it is no law.",
             figures: scatters.into_iter().map(|(id, y)| scatter(rows, (id, y), &over)).collect(),
         },
         FiguresOfRuns {
-            heading: texts.distributions,
-            text: texts.how_many,
+            heading: "Distributions",
+            text: "How many runs have which value.",
             figures: vec![distributions(rows, &[MASS, SPEED, CRUSH, OLC, STIFFNESS, RESTITUTION])],
         },
     ];
     let tables = [
-        (texts.tests, "tests.csv"),
-        (texts.candidates, "candidates.csv"),
-        (texts.metrics, "metrics.csv"),
-        (texts.predictions, "predictions.csv"),
+        ("tests", "tests.csv"),
+        ("candidates", "candidates.csv"),
+        ("metrics", "metrics.csv"),
+        ("predictions", "predictions.csv"),
     ];
     RunIndex { title: &name, tables: &tables, runs: &runs, figures }.to_html()
 }
@@ -203,12 +205,16 @@ const HEIGHT: f64 = 300.0;
 
 /// `y` over each of several quantities, a panel each; those that fewer than two runs have are left out.
 pub(crate) fn scatter(rows: &[Row], (id, y): (&'static str, RunNumber), over: &[RunNumber]) -> Figure {
-    let texts = &PHRASES.fleet;
     let mut figure = Figure::new(id, capitalised(y.name));
+    let outlier = "outlier: more than four robust standard deviations off the line; leads to its report";
     let entries = [
-        figure.entry(texts.a_run, Look::marks(Colour::Series(0), Symbol::Point), true),
-        figure.entry(texts.line, Look::line(Colour::Muted, Dash::Dashed), true),
-        figure.entry(texts.outlier, Look::marks(Colour::Series(1), Symbol::Ring), true),
+        figure.entry("a run", Look::marks(Colour::Series(0), Symbol::Point), true),
+        figure.entry(
+            "least-squares line of the runs that are no outliers",
+            Look::line(Colour::Muted, Dash::Dashed),
+            true,
+        ),
+        figure.entry(outlier, Look::marks(Colour::Series(1), Symbol::Ring), true),
     ];
     figure.panels = over.iter().filter_map(|x| panel(rows, entries, (*x, y))).collect();
     figure

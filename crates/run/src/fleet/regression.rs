@@ -6,6 +6,7 @@ use std::path::Path;
 
 use anyhow::Context;
 use crumple_artifact::{OutputKind, write_atomically};
+use crumple_report::words::Rounding;
 use crumple_stage::say;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -185,7 +186,9 @@ impl Study {
                 named.quantity, found.cases, found.r_squared, found.residual_standard_deviation
             ));
             for c in &found.coefficients {
-                say(format_args!("study:   {:<28} {:>12.4}  95 % from {:.4} to {:.4}", c.name, c.value, c.low, c.high));
+                let rounding = Rounding::of_interval(c.low, c.high).unwrap_or(Rounding::WITHOUT_INTERVAL);
+                let [value, low, high] = [c.value, c.low, c.high].map(|number| rounding.show(number));
+                say(format_args!("study:   {:<28} {value:>12}  95 % from {low} to {high}", c.name));
             }
         }
         let error = &self.leave_one_test_out;

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use crumple_artifact::{OutputKind, write_atomically};
-use crumple_report::OF_SEVERAL_TESTS;
+use crumple_report::{Conclusion, JointAnswer, OF_SEVERAL_TESTS};
 use crumple_signal::HALF_OF_90_PERCENT;
 use crumple_stage::records::{
-    AgainstTestV1, CandidateV1, DiagnosisV1, JointTestV1, PredictionV1, RecommendationV1, TestsV2,
+    AgainstTestV1, CandidateV1, DiagnosisV1, JointTestV1, PredictionV1, RecommendationV1, RemarkV1, TestsV2,
 };
 use crumple_stage::{Refused, by_way, errors_in_words, load_artifacts, say};
 use serde::{Deserialize, Serialize};
@@ -22,6 +22,8 @@ use crate::together::joint_run::{PREDICTED, SOLVED, SUMMARY};
 pub(crate) struct JointSummary {
     schema: String,
     pipeline: String,
+    /// What to hold of all this; as in the summary of a run.
+    verdict: Conclusion,
     tests: Vec<JointTestV1>,
     rate_factor: String,
     candidates: Vec<JointCandidate>,
@@ -33,6 +35,8 @@ pub(crate) struct JointSummary {
     closest_because: String,
     pub(crate) leave_one_out: Vec<LeftOut>,
     predictions: Vec<PredictionV1>,
+    /// What the joint stages and the report remark, strongest first.
+    remarks: Vec<RemarkV1>,
 }
 
 /// A candidate with its id.
@@ -80,17 +84,18 @@ pub(crate) fn write_summary(folder: &Path, pipeline: &str, held_out: &[HeldOutTe
         path if path.is_file() => load_artifacts(&[path])?.input.records("/prediction/")?,
         _ => Vec::new(),
     };
-    let (mut leave_one_out, mut missed) = (Vec::new(), Vec::new());
+    let mut leave_one_out = Vec::new();
     say(format_args!("{:<16} {}", "together", header()));
     for test in held_out {
         let left_out = test.left_out()?;
         say(format_args!("{:<16} {}", "together", line(&left_out)));
-        missed.extend(missed_crush(&left_out));
         leave_one_out.push(left_out);
     }
+    let JointAnswer { verdict, remarks, lines } = JointAnswer::of_folder(folder)?;
     let summary = JointSummary {
         schema: OF_SEVERAL_TESTS.to_owned(),
         pipeline: pipeline.to_owned(),
+        verdict,
         tests: tests.tests,
         rate_factor: tests.rate_factor,
         candidates: candidates.into_iter().map(|(id, record)| JointCandidate { id, record }).collect(),
@@ -102,28 +107,15 @@ pub(crate) fn write_summary(folder: &Path, pipeline: &str, held_out: &[HeldOutTe
         closest_because: choice.closest_because,
         leave_one_out,
         predictions: predictions.into_iter().map(|(_, prediction)| prediction).collect(),
+        remarks,
     };
     let path = folder.join(SUMMARY);
     let text = serde_json::to_string_pretty(&summary)? + "\n";
     write_atomically(&path, OutputKind::Summary, |file| file.write_all(text.as_bytes()))
         .with_context(|| format!("cannot write {}", path.display()))?;
-    if !missed.is_empty() {
-        say(format_args!(
-            "{:<16} warning: the crush of {} is outside of its 90 % interval: these tests may not be of one structure; \
-             predictions of the joint model may be off by as much",
-            "together",
-            missed.join(" and that of ")
-        ));
-    }
+    lines.iter().for_each(say);
     say(format_args!("{:<16} {}", "results", folder.display()));
     Ok(())
-}
-
-/// `ka (-23.3 %)` where the others predict another crush than this test has, by the prediction that stands in the
-/// table.
-fn missed_crush(LeftOut { test, predictions, .. }: &LeftOut) -> Option<String> {
-    let against = predictions.iter().find_map(|prediction| prediction.against.as_ref())?;
-    Some(format!("{test} ({:+.1} %)", against.missed_crush_percent()?))
 }
 
 fn header() -> String {
@@ -256,26 +248,6 @@ impl HeldOutTest {
 mod tests {
     use super::*;
     use crumple_stage::records::{AgainstTestV1, PredictedIntervalV1};
-
-    #[test]
-    fn a_crush_that_the_others_miss_is_named_by_the_prediction_of_the_table() {
-        let prediction = |error: Option<f64>, held: bool| PredictionV1 {
-            against: error.map(|percent| AgainstTestV1 {
-                dynamic_crush_error_percent: Some(percent),
-                held: if held { vec!["dynamic_crush_m".to_owned()] } else { Vec::new() },
-                ..AgainstTestV1::default()
-            }),
-            ..PredictionV1::default()
-        };
-        let missed = |predictions: &[PredictionV1]| {
-            missed_crush(&LeftOut { test: "a".to_owned(), predictions: predictions.to_vec(), ..LeftOut::default() })
-        };
-        assert_eq!(missed(&[prediction(None, false), prediction(Some(-23.3), false)]).unwrap(), "a (-23.3 %)");
-        // What another candidate misses is not what is recommended.
-        assert_eq!(missed(&[prediction(Some(1.0), true), prediction(Some(-23.3), false)]), None);
-        assert_eq!(missed(&[prediction(Some(8.0), true)]), None);
-        assert_eq!(missed(&[prediction(Some(2.0), false)]), None);
-    }
 
     #[test]
     fn an_error_is_counted_in_deviations_of_its_prediction() {

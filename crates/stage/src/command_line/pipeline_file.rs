@@ -50,6 +50,11 @@ pub struct Pipeline {
 const FILES: &str = "files";
 
 impl Pipeline {
+    /// Names of the pipelines that the program has without a file.
+    pub fn built_in() -> impl Iterator<Item = &'static str> {
+        BUILT_IN.iter().map(|(name, _)| *name)
+    }
+
     /// Reads a file, and what it is laid over: `default`, or without it the default pipeline built in.
     ///
     /// Errors: a file that cannot be read, what is no TOML, a table, key or base that does not exist.

@@ -107,10 +107,11 @@ fn level_of(curve: &Sampled) -> (f64, f64) {
 }
 
 /// The level that a curve made of another is without. A low-pass filter keeps the mean of what lies before the contact,
-/// braking too, so that the difference of both means was taken out.
+/// braking too, so that the difference of both means was taken out. What is taken out brings the mean nearer to zero: a
+/// wide filter that spreads the pulse to before the contact moves it away from zero, and took nothing out.
 fn level_taken_out(curve: &Sampled, made: &Sampled) -> f64 {
     let ((own, _), (of_made, _)) = (level_of(curve), level_of(made));
-    own - of_made
+    (own - of_made).clamp(own.min(0.0), own.max(0.0))
 }
 
 /// The ways that two pulses move a vehicle, m, where they are farthest apart, and the largest of the first.

@@ -1,15 +1,22 @@
-//! Every sentence and number that a run says, read back and compared with the truth of its record.
+//! What a run says, held against the known truth of its record: values of `summary.json`, values of remarks, and every
+//! number that people see.
 
 mod cases;
+mod codes;
+mod found;
 mod known;
+mod models;
+mod net;
+mod page_text;
+#[cfg(test)]
+mod planted;
 mod remarks;
-mod rules;
 mod run;
-mod sentences;
-mod template;
+mod surfaces;
+mod values;
 
-pub use crate::truth::run::{Failure, Made, Shown, numbers, plain, run};
-pub use crate::truth::sentences::{Complaint, Net};
 pub use cases::{Extent, RunCase, cases};
+pub use found::Found;
+pub use net::Net;
 pub use remarks::Explained;
-pub use rules::Registry;
+pub use run::{Failure, Made, run_all};

@@ -1,14 +1,18 @@
-//! The remarks of a run: each has a code that is explained, and each number of its sentence is one of its values.
+//! The remarks of a run: each has a code that is explained, each number of its sentence is one of its values, and its
+//! values agree with the truth ([`codes`]).
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::process::Command;
 
-use regex::Regex;
 use serde_json::Value;
 
-use crate::truth::run::Failure;
+use crate::numbers::{Shown, numbers};
+use crate::truth::codes;
+use crate::truth::found::Found;
+use crate::truth::run::{Failure, Made};
 
 /// What is explained of every code: `crumple explain --markdown`, cut at its headings.
 #[derive(Debug, Default)]
@@ -30,55 +34,27 @@ impl Explained {
 }
 
 /// What units change a number by, between a value in SI units and a sentence.
-const FACTORS: [f64; 12] = [
-    1.0,
-    1e3,
-    1e-3,
-    1e2,
-    1e6,
-    1e-6,
-    3.6,
-    3.6e3,
-    1e9,
-    1.0 / 9.80665,
-    180.0 / std::f64::consts::PI,
-    0.159_154_943_091_895,
-];
+const FACTORS: [f64; 12] = [1.0, 1e3, 1e-3, 1e2, 1e6, 1e-6, 3.6, 3.6e3, 1e9, 1.0 / 9.80665, 180.0 / PI, 0.5 / PI];
 
 /// Numbers of a sentence that are none of its values as shown, and stand neither in a name among the values nor in the
 /// explanation of the code: thresholds and numbers of standards do.
 pub fn unstated_numbers(remark: &Value, explained: &Explained) -> Vec<String> {
-    let text = remark["text"].as_str().unwrap_or_default();
-    let code = remark["code"].as_str().unwrap_or_default();
-    let mut names = explained.0.get(code).cloned().unwrap_or_default();
-    let mut numbers = Vec::new();
+    let mut names = explained.0.get(remark["code"].as_str().unwrap_or_default()).cloned().unwrap_or_default();
+    let (mut values, mut counts) = (Vec::new(), Vec::new());
     for value in remark["values"].as_object().into_iter().flat_map(|values| values.values()) {
-        match value {
-            Value::String(name) => {
-                let _infallible = write!(names, " {name}");
-            }
-            value => numbers.extend(value.as_f64()),
-        }
+        // A list may be counted.
+        counts.extend(value.as_str().map(|list| list.split(", ").count() as f64).filter(|count| *count > 1.0));
+        names.extend(value.as_str().into_iter().flat_map(|name| [" ", name]));
+        values.extend(value.as_f64());
     }
-    // A number stands by itself, with a unit behind it at most: `k1` and `n4sid-4` are names.
-    let number =
-        Regex::new(r"(?:^|[\s(\[=<>±+])[-−]?(\d+(?:\.\d+)?(?:e-?\d+)?)").unwrap_or_else(|error| panic!("{error}"));
-    let half_of = |digits: &str| {
-        let places = digits.split_once('.').map_or(0, |(_, places)| places.len());
-        0.5 * 10_f64.powi(-i32::try_from(places).unwrap_or(0))
-    };
-    let is_stated = |shown: &str| {
-        let half = half_of(shown.split_once('e').map_or(shown, |(digits, _)| digits));
-        let Ok(read) = shown.parse::<f64>() else { return false };
-        let half = if shown.contains('e') { half * read.abs() } else { half };
-        let is_shown =
-            |value: f64| FACTORS.iter().any(|factor| ((value * factor).abs() - read).abs() <= half * 1.000_001);
-        let stands_alone =
-            || names.split(|c: char| !(c.is_ascii_digit() || c == '.')).any(|n| n.trim_matches('.') == shown);
-        numbers.iter().any(|value| is_shown(*value)) || stands_alone()
-    };
-    let found = number.captures_iter(text).map(|found| found[1].to_owned());
-    found.filter(|shown| !is_stated(shown)).collect()
+    let digits = names.split(|c: char| !(c.is_ascii_digit() || c == '.')).map(|number| number.trim_matches('.'));
+    let mut named: Vec<f64> = digits.filter_map(|number| number.parse().ok()).collect();
+    named.extend(counts);
+    named.extend(numbers(&names).iter().map(|number| number.value.abs()));
+    let is_value = |shown: &Shown| values.iter().any(|value| FACTORS.iter().any(|factor| shown.shows(value * factor)));
+    let text = remark["text"].as_str().unwrap_or_default();
+    let unstated = numbers(text).into_iter().filter(|shown| !is_value(shown) && !named.contains(&shown.value.abs()));
+    unstated.map(|shown| shown.value.to_string()).collect()
 }
 
 /// Which codes which runs raised.
@@ -86,32 +62,33 @@ pub fn unstated_numbers(remark: &Value, explained: &Explained) -> Vec<String> {
 pub struct Raised(BTreeMap<String, (String, u64, BTreeSet<String>)>);
 
 impl Raised {
-    /// Notes the remarks of a run. Returns what is wrong with them: text and reason.
-    pub fn add(&mut self, run: &str, remarks: &[Value], explained: &Explained) -> Vec<(String, String)> {
-        let mut wrong = Vec::new();
-        for remark in remarks {
+    /// Notes the remarks of a run and checks each: code, what is found.
+    pub fn check(&mut self, made: &Made, explained: &Explained) -> Vec<(String, Found)> {
+        let one = |remark: &Value| {
             let text = |key: &str| remark[key].as_str().unwrap_or_default().to_owned();
-            let code = text("code");
-            let weight = remark["weight"].as_u64().unwrap_or_default();
+            let (code, weight) = (text("code"), remark["weight"].as_u64().unwrap_or_default());
             let (_, _, runs) = self.0.entry(code.clone()).or_insert_with(|| (text("stage"), weight, BTreeSet::new()));
-            runs.insert(run.to_owned());
-            if !explained.0.contains_key(&code) {
-                wrong.push((text("text"), format!("nothing explains {code:?}")));
-            }
+            runs.insert(made.name.clone());
+            let mut found = Found::default();
+            found.holds(explained.0.contains_key(&code), || "nothing explains this code".to_owned());
             let unstated = unstated_numbers(remark, explained);
-            if !unstated.is_empty() {
-                wrong.push((text("text"), format!("{code}: no value is {}", unstated.join(", "))));
-            }
-        }
-        wrong
+            found.holds(unstated.is_empty(), || format!("no value is {}: {:?}", unstated.join(", "), text("text")));
+            codes::check(made, remark, &mut found);
+            (code, found)
+        };
+        made.list("/remarks").iter().map(one).collect()
     }
 
-    /// As Markdown: code, stage, weight, how many runs raised it and one of them; then the codes that none raised.
+    /// As Markdown: code, stage, weight, how many runs raised it, one of them, what was compared; then the codes that
+    /// none raised.
     pub fn table(&self, explained: &Explained) -> String {
-        let mut out = "\n| code | stage | weight | runs | one of them |\n|---|---|---|---|---|\n".to_owned();
+        let mut out =
+            "\n| code | stage | weight | runs | one of them | checked |\n|---|---|---|---|---|---|\n".to_owned();
         for (code, (stage, weight, runs)) in &self.0 {
             let first = runs.first().map_or("", String::as_str);
-            let _infallible = writeln!(out, "| {code} | {stage} | {weight} | {} | {first} |", runs.len());
+            let compared = codes::compared(code);
+            let what = if compared.is_empty() { "numbers are values" } else { &compared };
+            let _infallible = writeln!(out, "| {code} | {stage} | {weight} | {} | {first} | {what} |", runs.len());
         }
         let none: Vec<&str> = explained.codes().filter(|code| !self.0.contains_key(*code)).collect();
         let _infallible = writeln!(out, "\n{} codes raised by no run: {}", none.len(), none.join(", "));

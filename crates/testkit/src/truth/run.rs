@@ -1,19 +1,21 @@
-//! A run of a case by the programs, and what it says where.
+//! The runs of the cases by the programs, and what each has left.
 
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::path::Path;
 use std::process::{Command, Output};
 use std::{fs, io};
 
-use crumple_artifact::records::{RatedCandidateV1, RecommendationV1};
-use crumple_artifact::{Artifact, Wave};
+use crumple_artifact::Artifact;
 use crumple_signal::Sampled;
+use rayon::prelude::*;
 use serde_json::Value;
 
-use crate::programs::{ARTIFACTS, just};
+use crate::places::workspace;
+use crate::programs::ARTIFACTS;
 use crate::truth::cases::{Question, RunCase};
-use crate::truth::known::{Known, Subject};
-use crate::truth::template::without_tags;
+use crate::truth::known::{Impact, Known, Subject};
+use crate::truth::page_text::first_screen;
 
 /// What a run has left.
 #[derive(Debug)]
@@ -26,130 +28,164 @@ pub struct Made {
     pub question: Option<Question>,
     /// Exit code.
     pub code: i32,
-    /// What it printed, line by line.
-    pub console: Vec<String>,
     /// `summary.json`.
     pub summary: Value,
-    /// The texts of the first screen of `report.html`.
-    pub page: Vec<Block>,
-    /// The captions of all figures of `report.html`, as one text.
-    pub captions: String,
+    /// What it says where: name of the surface, text.
+    pub surfaces: Vec<(&'static str, String)>,
+    /// The channels as they were read, in the order of the file.
+    pub raw: BTreeMap<String, Sampled>,
     /// Waves by topic without its beginning, those of later stages in the place of earlier ones.
-    pub waves: BTreeMap<String, Wave>,
-    /// The records of its artifacts: topic and content.
-    pub records: Vec<(String, Value)>,
-    /// The choice of a candidate.
-    pub choice: Option<RecommendationV1>,
-    /// Every number of the summary and of those records, also of their texts; of waves the ends and the counts.
-    pub all_numbers: Vec<f64>,
+    pub waves: BTreeMap<String, Sampled>,
+    /// The records of its artifacts by topic.
+    pub records: BTreeMap<String, Value>,
 }
 
 /// Why a run could not be read.
 pub type Failure = Box<dyn std::error::Error + Send + Sync>;
 
-/// Runs a case in a folder of its own by the programs in `bin`. Errors: the run ends with another code than 0 or 4, or
-/// leaves no summary or page.
-pub fn run(case: &RunCase, bin: &Path, folder: &Path) -> Result<Made, Failure> {
-    let folder = folder.join(case.name.replace(|c: char| !c.is_ascii_alphanumeric(), "-"));
-    let variables = || {
-        let own = case.variables.iter().map(|variable| variable.replace("$BIN", &bin.display().to_string()));
-        std::iter::once(format!("bin={}", bin.display())).chain(own)
-    };
-    let mut output = if case.known.subject == Subject::InputOutput {
-        identify_alone(case, bin, &folder)?
-    } else {
-        let mut command = just();
-        command.args(variables()).arg(format!("out={}", folder.display()));
-        command.arg("run").arg(&case.record).args(&case.flags).env("RAYON_NUM_THREADS", "1").output()?
-    };
-    if let Some(question) = case.question.filter(|_| output.status.success()) {
-        let mut command = just();
-        command.args(variables()).arg("predict").arg(&folder).args(question.flags);
-        output = command.env("RAYON_NUM_THREADS", "1").output()?;
+/// Runs cases by the programs in `bin`, in folders of their own below `folder`; in the order of the cases. Cases of one
+/// record, pipeline and flags share its chain. Errors: a run ends with another code than 0 or 4, or leaves no summary
+/// or page.
+pub fn run_all(cases: &[&RunCase], bin: &Path, folder: &Path) -> Vec<Result<Made, Failure>> {
+    let mut chains: BTreeMap<_, Vec<(usize, &RunCase)>> = BTreeMap::new();
+    for (place, case) in cases.iter().enumerate() {
+        let chain = (&case.record, &case.pipeline, &case.stage, &case.flags);
+        chains.entry(chain).or_default().push((place, case));
     }
-    if !case.reported.is_empty() && output.status.success() {
-        output = report_alone(case, bin, &folder)?;
-    }
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    let code = output.status.code().unwrap_or(-1);
-    if !matches!(code, 0 | 4) {
-        return Err(format!("{}: exit {code}: {said}", case.name).into());
-    }
-    let made = Made::read(case, code, &said, &folder)?;
-    fs::remove_dir_all(&folder)?;
-    Ok(made)
+    let programs = Programs { bin, folder };
+    let of_chain = |(number, cases): (usize, Vec<(usize, &RunCase)>)| programs.chain(number, &cases);
+    let chains: Vec<_> = chains.into_values().enumerate().collect();
+    let mut all: Vec<_> = chains.into_par_iter().flat_map_iter(of_chain).collect();
+    all.sort_by_key(|(place, _)| *place);
+    all.into_iter().map(|(_, made)| made).collect()
 }
 
-/// Only some artifacts are left and reported anew; what the report prints.
-fn report_alone(case: &RunCase, bin: &Path, folder: &Path) -> Result<Output, Failure> {
-    for (_, name) in ARTIFACTS.iter().enumerate().filter(|(place, _)| !case.reported.contains(place)) {
-        match fs::remove_file(folder.join(name)) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error.into()),
-            _ => {}
-        }
-    }
-    let left = case.reported.iter().map(|place| ARTIFACTS[*place]);
-    let arguments = left.chain(["-o", "report.html", "--summary", "summary.json"]);
-    Ok(Command::new(bin.join("crumple-report")).args(arguments).current_dir(folder).output()?)
-}
-
-/// A record that is no crash goes through ingest, identify and report, by their own commands; what the report prints.
-fn identify_alone(case: &RunCase, bin: &Path, folder: &Path) -> Result<Output, Failure> {
-    fs::create_dir_all(folder)?;
-    let record = case.record.display().to_string();
-    let (ingest, identify): (Vec<&str>, Vec<&str>) =
-        case.flags.iter().map(String::as_str).partition(|flag| INGEST.iter().any(|own| flag.starts_with(own)));
-    let steps: [(&str, Vec<&str>); 3] = [
-        ("ingest", [vec![record.as_str(), "-q", "-o", ARTIFACTS[0]], ingest].concat()),
-        ("identify", [vec![ARTIFACTS[0], "-q", "-o", ARTIFACTS[3]], identify].concat()),
-        ("report", vec![ARTIFACTS[0], ARTIFACTS[3], "-o", "report.html", "--summary", "summary.json"]),
-    ];
-    let mut last = Err("no step".into());
-    for (program, arguments) in steps {
-        let output =
-            Command::new(bin.join(format!("crumple-{program}"))).args(arguments).current_dir(folder).output()?;
-        if !matches!(output.status.code(), Some(0 | 4)) {
-            return Ok(output);
-        }
-        last = Ok(output);
-    }
-    last
-}
-
-/// Flags of ingest among those of such a record; the others are those of identify.
+/// Flags of ingest among those of inputs and outputs; the others are those of identify.
 const INGEST: [&str; 2] = ["--sample-time", "--allow-missing"];
 
+/// The Markdown of a report, in the folder of its run.
+const MARKDOWN: &str = "report.md";
+
+#[derive(Debug, Clone, Copy)]
+struct Programs<'a> {
+    bin: &'a Path,
+    folder: &'a Path,
+}
+
+impl Programs<'_> {
+    /// The chain once, then what each of its cases asks of it, in one folder.
+    fn chain(&self, number: usize, cases: &[(usize, &RunCase)]) -> Vec<(usize, Result<Made, Failure>)> {
+        let folder = self.folder.join(number.to_string());
+        let chain = cases.first().map(|(_, first)| match first.known.subject {
+            Subject::InputOutput => self.identify_alone(first, &folder),
+            _ => self.run(first, "--out", &folder, first.record.to_str(), &first.flags),
+        });
+        let made = |case: &RunCase| match &chain {
+            Some(Ok(output)) => self.made(case, output, &folder),
+            Some(Err(error)) => Err(error.to_string().into()),
+            None => Err("no case".into()),
+        };
+        let all = cases.iter().map(|(place, case)| (*place, made(case))).collect();
+        // What is left is removed with the folder of all.
+        let _left = fs::remove_dir_all(&folder);
+        all
+    }
+
+    /// What a case asks of a chain: other impacts, a report of some artifacts, or nothing more.
+    fn made(&self, case: &RunCase, chain: &Output, folder: &Path) -> Result<Made, Failure> {
+        let more = match case.question.filter(|_| chain.status.success()) {
+            Some(Question { flags, .. }) => Some(self.run(case, "--again", folder, Some("--"), flags)?),
+            None if case.reported.is_empty() => None,
+            None => Some(self.report(case.reported.iter().map(|place| ARTIFACTS[*place]), folder)?),
+        };
+        // They are those of all artifacts.
+        let notes = self.command(&["notes"]).arg(folder).output()?.stdout;
+        let notes = if case.reported.is_empty() { String::from_utf8_lossy(&notes).into_owned() } else { String::new() };
+        Made::read(case, more.as_ref().unwrap_or(chain), folder, notes)
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(self.bin.join("crumple"));
+        command.args(arguments).env("RAYON_NUM_THREADS", "1");
+        command
+    }
+
+    fn run<S: AsRef<OsStr>>(
+        &self,
+        case: &RunCase,
+        into: &str,
+        folder: &Path,
+        first: Option<&str>,
+        flags: &[S],
+    ) -> io::Result<Output> {
+        let markdown = format!("--markdown {}", folder.join(MARKDOWN).display());
+        let mut command = self.command(&["run", "--pipeline", &case.pipeline, "--flags-of-last", &markdown, into]);
+        command.arg(folder).arg("--project").arg(workspace());
+        if let Some(stage) = &case.stage {
+            command.arg("--stage").arg(stage.replace("$BIN", &self.bin.display().to_string()));
+        }
+        command.args(first).args(flags).output()
+    }
+
+    fn report<'b>(&self, artifacts: impl Iterator<Item = &'b str>, folder: &Path) -> io::Result<Output> {
+        let outputs = ["-o", "report.html", "--summary", "summary.json", "--markdown", MARKDOWN];
+        self.command(&["report"]).args(artifacts).args(outputs).current_dir(folder).output()
+    }
+
+    /// A record that is no crash goes through ingest, identify and report, by their own commands; what the report
+    /// prints.
+    fn identify_alone(&self, case: &RunCase, folder: &Path) -> io::Result<Output> {
+        fs::create_dir_all(folder)?;
+        let record = case.record.display().to_string();
+        let (ingest, identify): (Vec<&str>, Vec<&str>) =
+            case.flags.iter().map(String::as_str).partition(|flag| INGEST.iter().any(|own| flag.starts_with(own)));
+        let steps = [
+            [&["ingest", &record, "-q", "-o", ARTIFACTS[0]], ingest.as_slice()].concat(),
+            [&["identify", ARTIFACTS[0], "-q", "-o", ARTIFACTS[3]], identify.as_slice()].concat(),
+        ];
+        for arguments in steps {
+            let output = self.command(&arguments).current_dir(folder).output()?;
+            if !matches!(output.status.code(), Some(0 | 4)) {
+                return Ok(output);
+            }
+        }
+        self.report([ARTIFACTS[0], ARTIFACTS[3]].into_iter(), folder)
+    }
+}
+
 impl Made {
-    fn read(case: &RunCase, code: i32, said: &str, folder: &Path) -> Result<Self, Failure> {
-        let (mut waves, mut records, mut all_numbers) = (BTreeMap::new(), Vec::new(), Vec::new());
-        for path in ARTIFACTS.iter().map(|name| folder.join(name)).filter(|path| path.is_file()) {
+    fn read(case: &RunCase, output: &Output, folder: &Path, notes: String) -> Result<Self, Failure> {
+        let said = [&output.stdout, &output.stderr].map(|stream| String::from_utf8_lossy(stream).into_owned()).concat();
+        let code = output.status.code().unwrap_or(-1);
+        if !matches!(code, 0 | 4) {
+            return Err(format!("{}: exit {code}: {said}", case.name).into());
+        }
+        let (mut waves, mut raw, mut records) = (BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
+        let is_asked = |place: &usize| case.reported.is_empty() || case.reported.contains(place);
+        let paths = (0..ARTIFACTS.len()).filter(is_asked).map(|place| folder.join(ARTIFACTS[place]));
+        for path in paths.filter(|path| path.is_file()) {
             let artifact = Artifact::open(&path)?;
-            artifact.waves().values().for_each(|wave| numbers_of_wave(&wave.sampled, &mut all_numbers));
-            waves.extend(artifact.waves().iter().map(|(id, wave)| (id.clone(), wave.clone())));
-            let json = artifact.records().iter().filter(|raw| raw.encoding == "json");
-            for raw in json {
-                records.push((raw.topic.clone(), serde_json::from_slice(&raw.payload)?));
+            waves.extend(artifact.waves().iter().map(|(id, wave)| (id.clone(), wave.sampled.clone())));
+            if path.ends_with(ARTIFACTS[0]) {
+                raw.clone_from(&waves);
+            }
+            for record in artifact.records().iter().filter(|raw| raw.encoding == "json") {
+                records.insert(record.topic.clone(), serde_json::from_slice::<Value>(&record.payload)?);
             }
         }
         let read = |name: &str| -> io::Result<String> { fs::read_to_string(folder.join(name)) };
-        let summary: Value = serde_json::from_str(&read("summary.json")?)?;
-        records.iter().map(|(_, record)| record).chain([&summary]).for_each(|value| collect(value, &mut all_numbers));
-        let html = read("report.html")?;
-        let choice = records.iter().find(|(topic, _)| topic == "/recommendation");
-        Ok(Self {
-            all_numbers,
-            choice: choice.map(|(_, record)| serde_json::from_value(record.clone())).transpose()?,
-            name: case.name.clone(),
-            known: case.known.clone(),
-            question: case.question,
-            code,
-            console: said.lines().map(plain_line).collect(),
-            summary,
-            page: first_screen(&html),
-            captions: captions(&html),
-            waves,
-            records,
-        })
+        let markdown = read(MARKDOWN)?;
+        // The command that makes the run again is as it was typed.
+        let markdown = markdown.split_once("### Again").map_or(markdown.as_str(), |(before, _)| before);
+        let surfaces = vec![
+            ("console", said.replace(&folder.display().to_string(), "RUN")),
+            ("first screen", first_screen(&read("report.html")?)),
+            ("Markdown", markdown.to_owned()),
+            ("notes", notes),
+        ];
+        let (name, known, question) = (case.name.clone(), case.known.clone(), case.question);
+        let summary = serde_json::from_str(&read("summary.json")?)?;
+        Ok(Self { name, known, question, code, summary, surfaces, raw, waves, records })
     }
 
     /// A number of the summary.
@@ -177,299 +213,67 @@ impl Made {
         self.candidate(self.summary["recommended"].as_str()?)
     }
 
-    /// A candidate by its name in words: `Kelvin, direct fit 1`.
-    pub fn candidate_named(&self, words: &str) -> Option<&Value> {
-        self.list("/candidates")
-            .iter()
-            .find(|candidate| candidate["id"].as_str().map(in_words) == Some(words.to_owned()))
-    }
-
     /// How the choice rated a candidate.
-    pub fn rated(&self, candidate: &Value) -> Option<&RatedCandidateV1> {
-        self.choice.as_ref()?.candidates.iter().find(|rated| candidate["id"] == rated.id.as_str())
+    pub fn rated(&self, candidate: &Value) -> Option<&Value> {
+        let rated = self.records.get("/recommendation")?["candidates"].as_array()?;
+        rated.iter().find(|rated| rated["id"] == candidate["id"])
     }
 
-    /// What the warnings say, gravest first.
-    pub fn concerns(&self) -> impl Iterator<Item = &str> {
-        self.list("/concerns").iter().filter_map(|concern| concern["text"].as_str())
+    /// An identified model by its id.
+    pub fn model(&self, id: &str) -> Option<&Value> {
+        self.list("/models").iter().find(|model| model["id"] == id)
+    }
+
+    /// A key number by its name.
+    pub fn key_number(&self, name: &str) -> Option<&Value> {
+        self.list("/key_numbers").iter().find(|number| number["name"] == name)
     }
 
     /// Whether it is of a vehicle at a wall.
     pub fn is_of_a_vehicle(&self) -> bool {
         self.known.subject == Subject::Vehicle
     }
-}
 
-/// What is said of a wave: its mean, also over its deviation, its ends, its extremes, its first instant, and how many
-/// samples it has in all, before and
-/// from time zero on.
-fn numbers_of_wave(wave: &Sampled, numbers: &mut Vec<f64>) {
-    let samples = wave.samples();
-    let (low, high) =
-        samples.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
-    let before = (-wave.t0_s() / wave.dt_s()).round();
-    let mean = samples.iter().sum::<f64>() / samples.len() as f64;
-    let deviation = (samples.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / samples.len() as f64).sqrt();
-    numbers.extend([mean, mean / deviation]);
-    let counts = [samples.len() as f64, before, samples.len() as f64 - before];
-    numbers.extend(counts.into_iter().flat_map(|count| [count, count - 1.0, count - 2.0]));
-    numbers.extend(samples.first().into_iter().chain(samples.last()).chain([&low, &high, &wave.t0_s()]));
-}
-
-/// Settings stand in records as texts, as a person types them; sentences are none of a record's numbers.
-const LONGEST_SETTING: usize = 40;
-
-fn collect(value: &Value, into: &mut Vec<f64>) {
-    match value {
-        Value::Number(number) => into.extend(number.as_f64()),
-        Value::Array(values) => values.iter().for_each(|value| collect(value, into)),
-        Value::Object(fields) => fields.values().for_each(|value| collect(value, into)),
-        Value::String(text) if text.len() < LONGEST_SETTING => {
-            into.extend(numbers(text).iter().map(|shown| shown.value));
-        }
-        _ => {}
-    }
-}
-
-/// A candidate's id as people read it: `kelvin/direct-fit/1` is "Kelvin, direct fit 1".
-pub fn in_words(id: &str) -> String {
-    let mut parts = id.splitn(3, '/');
-    let (model, method, index) = (parts.next().unwrap_or_default(), parts.next(), parts.next());
-    let model = model.replace("spring-mass-damper", "spring_mass_damper").replace('-', " ").replace('_', "-");
-    let mut letters = model.chars();
-    let model: String = letters.next().into_iter().flat_map(char::to_uppercase).chain(letters).collect();
-    match (method, index) {
-        (Some(method), Some(index)) => format!("{model}, {} {index}", method.replace('-', " ")),
-        _ => id.to_owned(),
-    }
-}
-
-/// A line with its blanks at the start, which say whose it is.
-fn plain_line(line: &str) -> String {
-    let start = line.len() - line.trim_start().len();
-    format!("{}{}", &line[..start], if start < line.len() { spaced(&line[start..]) } else { String::new() })
-}
-
-/// Columns of blanks stay; characters that look like blanks become one.
-fn spaced(text: &str) -> String {
-    let (label, rest) = text.split_once("  ").unwrap_or(("", text));
-    if label.is_empty() { plain(rest) } else { format!("{}  {}", plain(label), plain(rest)) }
-}
-
-/// A piece of text of a page.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Block {
-    /// The section it stands in: `verdict`, `before-use`, `model`, `numbers`, `header`, ...
-    pub section: String,
-    /// Its element: `p`, `li`, `dt`, ...
-    pub element: String,
-    /// The key of the card, or the class of the element.
-    pub key: String,
-    /// The text.
-    pub text: String,
-}
-
-/// Elements whose text is a piece by itself.
-const PIECES: [&str; 14] =
-    ["h1", "h2", "h3", "h4", "p", "li", "dt", "dd", "figcaption", "caption", "th", "td", "strong-status", "summary"];
-
-/// From the header to what lies below the answer: the figures.
-fn first_screen(html: &str) -> Vec<Block> {
-    let body = html.split_once("<header>").map_or(html, |(_, rest)| rest);
-    let end = [
-        "<section id=\"figures\"",
-        "<figure class=\"figure",
-        "id=\"crash\"",
-        "class=\"figure",
-        "id=\"models\"",
-        "id=\"identification\"",
-    ];
-    let end = end.iter().filter_map(|mark| body.find(mark)).min().unwrap_or(body.len());
-    pieces(&body[..end])
-}
-
-/// The captions of all figures.
-pub fn captions(html: &str) -> String {
-    let all = pieces(html).into_iter().filter(|block| block.element == "figcaption" || block.key.contains("caption"));
-    all.map(|block| block.text).collect::<Vec<_>>().join(" ")
-}
-
-fn pieces(html: &str) -> Vec<Block> {
-    let (mut section, mut card) = ("header".to_owned(), String::new());
-    let mut blocks = Vec::new();
-    let mut rest = html;
-    while let Some((_, behind)) = rest.split_once('<') {
-        let Some((tag, inside)) = behind.split_once('>') else { break };
-        rest = inside;
-        let name = tag.split([' ', '\n']).next().unwrap_or_default();
-        match name {
-            "svg" | "script" | "style" => {
-                rest = inside.split_once(&format!("</{name}>")).map_or("", |(_, behind)| behind);
-            }
-            "section" => section = attribute(tag, "id").or(attribute(tag, "class")).unwrap_or_default(),
-            "div" if tag.contains("data-key") => card = attribute(tag, "data-key").unwrap_or_default(),
-            _ if PIECES.contains(&name) => {
-                let (text, behind) = inside.split_once(&format!("</{name}>")).unwrap_or((inside, ""));
-                rest = behind;
-                let key = if section == "numbers" { card.clone() } else { attribute(tag, "class").unwrap_or_default() };
-                let text = plain(&without_tags(text));
-                if !text.is_empty() {
-                    blocks.push(Block { section: section.clone(), element: name.to_owned(), key, text });
-                }
-            }
-            _ => {}
-        }
-    }
-    blocks
-}
-
-fn attribute(tag: &str, name: &str) -> Option<String> {
-    let (_, value) = tag.split_once(&format!("{name}=\""))?;
-    value.split_once('"').map(|(value, _)| value.to_owned())
-}
-
-/// Factors from the SI unit of a record to the units that a text may show it in.
-const UNITS: [(&str, f64); 18] = [
-    ("mm", 1e3),
-    ("ms", 1e3),
-    ("km/h", 3.6),
-    ("g", 1.0 / 9.806_65),
-    ("kN·s/m", 1e-3),
-    ("kN/m", 1e-3),
-    ("kN", 1e-3),
-    ("kJ", 1e-3),
-    ("kg", 1.0),
-    ("m/s²", 1.0),
-    ("m/s^2", 1.0),
-    ("m/s", 1.0),
-    ("rad/s", 1.0),
-    ("1/s", 1.0),
-    ("%", 1.0),
-    ("Hz", 1.0),
-    ("m", 1.0),
-    ("s", 1.0),
-];
-
-/// Half a unit of the last digit, and what binary fractions add.
-const HALF: f64 = 0.500_000_1;
-
-/// A number as a text shows it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Shown {
-    /// As it is written, in its unit.
-    pub value: f64,
-    /// Digits after the point.
-    pub decimals: usize,
-    /// From SI to its unit; 1 of a number without one.
-    pub factor: f64,
-    /// Half of what its last digit counts, in its unit.
-    half: f64,
-}
-
-impl Shown {
-    /// Whether it is this number in SI, rounded as it is shown.
-    pub fn is_of(&self, si: f64) -> bool {
-        (si * self.factor - self.value).abs() <= self.half
+    /// The truth of the test that was made, of a sound record of a vehicle.
+    pub fn own_test(&self) -> Option<Impact> {
+        self.true_test().filter(|_| self.known.is_sound)
     }
 
-    /// Whether it is this number of a record, rounded as it is shown.
-    pub fn is(&self, value: &Value) -> bool {
-        value.as_f64().is_some_and(|value| self.is_of(value))
+    /// The same of a vehicle whatever its record states.
+    pub fn true_test(&self) -> Option<Impact> {
+        self.known.impact(self.known.speed_m_per_s?, self.known.mass_kg?).filter(|_| self.is_of_a_vehicle())
     }
 
-    /// In SI.
-    pub fn si(&self) -> f64 {
-        self.value / self.factor
+    /// Whether a record is a sound one of a vehicle as cars are: it rebounds at a third of its speed at most. A spring
+    /// that stays attached, and so pulls its mass back, may be asked about.
+    pub fn is_like_a_car(&self) -> bool {
+        self.own_test().is_some_and(|truth| truth.restitution <= 0.3)
     }
 
-    /// The number as it is written, in the unit of another.
-    pub fn in_unit_of(&self, other: &Self) -> Self {
-        Self { factor: other.factor, ..self.clone() }
+    /// The velocity of the pulse.
+    pub fn velocity(&self) -> Option<&Sampled> {
+        self.waves.get(&format!("{}/velocity", self.text("/test/channel")))
     }
 
-    /// The number as it is written, whatever its unit.
-    pub fn without_unit(&self) -> Self {
-        Self { factor: 1.0, ..self.clone() }
-    }
-}
-
-/// A text with plain blanks and minus signs, one blank between words.
-pub fn plain(text: &str) -> String {
-    let text = text.replace(['\u{a0}', '\u{2009}', '\u{202f}'], " ").replace('−', "-").replace('\u{ad}', "");
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
-/// The numbers of a text in their order. One without a unit, as before "to", has that of the next.
-pub fn numbers(text: &str) -> Vec<Shown> {
-    let text = plain(text);
-    let mut shown: Vec<(Shown, Option<f64>)> = Vec::new();
-    let mut rest = text.as_str();
-    while let Some(start) = rest.find(|c: char| c.is_ascii_digit()) {
-        let sign = if rest[..start].ends_with('-') { -1.0 } else { 1.0 };
-        let is_name = rest[..start].ends_with(|c: char| c.is_alphabetic() || c == '_');
-        let digits = &rest[start..];
-        let end = digits.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(digits.len());
-        let number = digits[..end].trim_end_matches('.');
-        rest = &digits[number.len()..];
-        let Some(value) = number.parse::<f64>().ok().filter(|_| !is_name) else { continue };
-        let behind = rest.trim_start();
-        let unit = UNITS.iter().find(|(unit, _)| {
-            behind.strip_prefix(unit).is_some_and(|more| !more.starts_with(|c: char| c.is_alphanumeric() || c == '/'))
-        });
-        let decimals = number.split_once('.').map_or(0, |(_, decimals)| decimals.len());
-        let half = HALF * last_digit(number, decimals);
-        shown.push((Shown { value: sign * value, decimals, factor: 1.0, half }, unit.map(|(_, factor)| *factor)));
-    }
-    let mut factor = 1.0;
-    for (number, own) in shown.iter_mut().rev() {
-        factor = own.unwrap_or(factor);
-        number.factor = factor;
-    }
-    shown.into_iter().map(|(number, _)| number).collect()
-}
-
-/// What the last digit of a number counts. Four significant digits are shown of a large one, so the zeros at the end of
-/// one of five and more may be none of them.
-fn last_digit(number: &str, decimals: usize) -> f64 {
-    let zeros = number.len() - number.trim_end_matches('0').len();
-    let not_shown = if decimals == 0 { zeros.min(number.len().saturating_sub(4)) } else { 0 };
-    10f64.powf(not_shown as f64 - decimals as f64)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn texts_stand_in_their_sections() {
-        let html = "<header>\n<h1>A &amp; B</h1><section class=\"verdict none\"><p>It was <b>so</b>.</p></section>\
-                    <section id=\"numbers\"><div class=\"card\" data-key=\"olc\"><dt>OLC</dt><dd>29.3 <small>g\
-                    </small></dd></div></section><svg><text>no</text></svg><figure class=\"figure\"><p>below</p>";
-        let texts: Vec<(String, String, String)> =
-            first_screen(html).into_iter().map(|b| (b.section, b.key, b.text)).collect();
-        let expected = [
-            ("header", "", "A & B"),
-            ("verdict none", "", "It was so."),
-            ("numbers", "olc", "OLC"),
-            ("numbers", "olc", "29.3 g"),
-        ];
-        assert_eq!(texts, expected.map(|(a, b, c)| (a.to_owned(), b.to_owned(), c.to_owned())));
+    /// The pulse as it was read.
+    pub fn pulse(&self) -> Option<&Sampled> {
+        self.raw.get(self.text("/test/channel"))
     }
 
-    #[test]
-    fn numbers_are_read_with_their_units() {
-        let read = numbers("739.8 to 759.1\u{a0}mm, CFC60 at −0.5\u{a0}ms, 3 of 4");
-        let expected = [(739.8, 1, 1e3), (759.1, 1, 1e3), (-0.5, 1, 1e3), (3.0, 0, 1.0), (4.0, 0, 1.0)];
-        let read: Vec<(f64, usize, f64)> =
-            read.iter().map(|shown| (shown.value, shown.decimals, shown.factor)).collect();
-        assert_eq!(read, expected);
+    /// Length of the record, s; 1 without a pulse.
+    pub fn length_s(&self) -> f64 {
+        self.pulse().map_or(1.0, |pulse| pulse.len() as f64 * pulse.dt_s())
     }
 
-    #[test]
-    fn a_number_is_that_of_a_record_to_its_last_digit() {
-        let one = |text: &str| numbers(text).remove(0);
-        assert!(one("749.9 mm").is_of(0.749_93) && !one("749.9 mm").is_of(0.749_77));
-        assert!(one("50 km/h").is_of(50.4 / 3.6) && !one("50 km/h").is_of(50.6 / 3.6));
-        assert!(one("21610 kN/m").is_of(21_613e3) && !one("21610 kN/m").is_of(21_616e3));
+    /// Mean and standard deviation of the pulse as it was read between two times, s; up to the end without the second.
+    pub fn level(&self, from_s: f64, to_s: Option<f64>) -> Option<(f64, f64)> {
+        let pulse = self.pulse()?;
+        let place = |time_s: f64| (((time_s - pulse.t0_s()) / pulse.dt_s()).round().max(0.0)) as usize;
+        let samples = pulse.samples();
+        let end = to_s.map_or(samples.len(), place).min(samples.len());
+        let samples = samples.get(place(from_s)..end).filter(|samples| !samples.is_empty())?;
+        let mean = samples.iter().sum::<f64>() / samples.len() as f64;
+        let variance = samples.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / samples.len() as f64;
+        Some((mean, variance.sqrt()))
     }
 }

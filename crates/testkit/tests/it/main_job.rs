@@ -5,9 +5,8 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crumple_testkit::programs::{ARTIFACTS, binary, number, run, summary_of};
-use crumple_testkit::truth::{self, Extent, Made, Net, Registry, cases};
+use crumple_testkit::truth::{self, Explained, Extent, Net, cases};
 use crumple_testkit::{shared, workspace};
-use rayon::prelude::*;
 
 fn fixture(name: &str) -> PathBuf {
     workspace().join("fixtures").join(name).join("crash.csv")
@@ -215,18 +214,12 @@ fn a_python_program_that_writes_json_serves_as_identify() {
 }
 
 #[test]
-fn every_text_that_a_run_can_print_has_a_rule_or_a_reason_to_have_none() {
-    assert_eq!(Registry::new().without_rule(), Vec::<String>::new());
-}
-
-#[test]
-fn no_sentence_of_a_run_contradicts_the_truth() {
+fn nothing_that_a_run_says_contradicts_the_truth() {
     let folder = tempfile::tempdir().unwrap();
     let bin = binary("crumple-run").parent().unwrap().to_owned();
     let cases = cases(Extent::Short, folder.path()).unwrap();
-    let made: Vec<Made> = cases.par_iter().map(|case| truth::run(case, &bin, folder.path()).unwrap()).collect();
-    let (registry, mut net) = (Registry::new(), Net::default());
-    made.iter().for_each(|made| net.read(&registry, made));
-    assert!(net.contradictions.is_empty() && net.unread.is_empty(), "{}", net.table(&registry));
-    assert_eq!(net.counts.too_low(), Vec::<String>::new());
+    let mut net = Net::new(Explained::by(&bin).unwrap());
+    let runs = truth::run_all(&cases.iter().collect::<Vec<_>>(), &bin, folder.path());
+    runs.into_iter().for_each(|made| net.read(&made.unwrap()));
+    assert!(net.holds(), "{}", net.table());
 }

@@ -373,7 +373,7 @@ pub fn take_out_cancelled(
 
 /// Why there are no standard deviations.
 fn no_covariance(method: &str) -> String {
-    format!("{method} has no covariance of its poles that is known; --bootstrap 200 gives their spread")
+    format!("{method} has no covariance of its poles that is known; --bootstrap 60 gives their spread")
 }
 
 /// Fills in what the method tells of its fit: one-step predictions, deviations of the `poles`, losses, or why there are

@@ -2,29 +2,26 @@
 
 use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, Symbol, Width};
-use crate::findings::{Ranking, Run, candidate_name};
-use crate::phrases::PHRASES;
-use crate::phrases::words;
-use crate::phrases::words::fill;
+use crate::findings::{Ranking, Run, capitalised};
+use crate::words;
 use crumple_artifact::records::PredictionV1;
 
 /// The tests as points, the recommended model's predictions as a line with their interval; `None` of one test alone.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let joint = run.joint.as_ref()?;
-    let texts = &PHRASES.joint;
     let best = ranking.best.as_deref()?;
     let of_best = run.predictions.iter().filter(|p| p.candidate == best && p.partner.is_none());
     let mut predictions: Vec<&PredictionV1> = of_best.filter(|p| p.dynamic_crush_m.is_some()).collect();
     let mass_kg = predictions.first()?.mass_kg;
     predictions.retain(|prediction| prediction.mass_kg == mass_kg);
     predictions.sort_by(|a, b| a.impact_speed_m_per_s.total_cmp(&b.impact_speed_m_per_s));
-    let mut figure = Figure::new("crush-over-speed", texts.over_speed);
-    let tests = figure.entry(texts.tests_as_measured, Look::marks(Colour::Test, Symbol::Ring), true);
+    let mut figure = Figure::new("crush-over-speed", "Dynamic crush over impact speed");
+    let tests = figure.entry("tests as measured", Look::marks(Colour::Test, Symbol::Ring), true);
     let look = Look::line(Colour::Series(0), Dash::Solid).width(Width::Thick);
-    let line = figure.entry(candidate_name(best), look, true);
-    let band = figure.entry(texts.interval, Look::area(Colour::Series(0)), true);
+    let line = figure.entry(capitalised(&run.name_of(best)), look, true);
+    let band = figure.entry("its 90 % interval", Look::area(Colour::Series(0)), true);
     let km_per_h = |speed: f64| KM_PER_H_PER_M_PER_S * speed;
-    let mut panel = Panel::new(Axis::new(texts.impact_speed), Axis::new(texts.dynamic_crush));
+    let mut panel = Panel::new(Axis::new("impact speed, km/h"), Axis::new("dynamic crush, mm"));
     let edge = |p: &&PredictionV1| {
         let interval = p.intervals.iter().find(|interval| interval.name == "dynamic_crush_m")?;
         Some([km_per_h(p.impact_speed_m_per_s), MILLI * interval.low, MILLI * interval.high])
@@ -37,5 +34,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     panel.points(tests, measured.collect());
     figure.panels.push(panel);
     let mass = words::quantity(mass_kg, 0, "kg");
-    Some(Figure { caption: fill(texts.over_speed_caption, &[("mass", mass)]), ..figure.tidy() })
+    let caption =
+        format!("Predictions of the joint model at {mass} against the wall of the tests; each test at its own mass.");
+    Some(Figure { caption, ..figure.tidy() })
 }

@@ -4,13 +4,11 @@
 use super::drawn_models::DrawnModels;
 use super::force;
 use super::same_place::Envelope;
-use crate::drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
+use crate::drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, NBSP};
 use crate::drawing::{Axis, Colour, Dash, Entry, Figure, Look, Panel, Width, over_time, span};
-use crate::figures::time_view::{over_time_axis, time_view_ms};
+use crate::figures::time_view::{ACCELERATION, DISPLACEMENT, VELOCITY, over_time_axis, time_view_ms};
 use crate::findings::{CandidateResult, Ranking, Run};
-use crate::phrases::PHRASES;
-use crate::phrases::words;
-use crate::phrases::words::fill;
+use crate::words;
 use crumple_signal::Sampled;
 
 /// A model may widen an axis beyond the test by this share of what the test spans.
@@ -18,16 +16,16 @@ const ROOM_FOR_MODELS: f64 = 0.25;
 
 /// As many panels as there are records for; `None` without any.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
-    let texts = &PHRASES.figures;
     let models = DrawnModels::of(run, ranking);
-    drawn("curves", if models.models.is_empty() { texts.title_of_test } else { texts.title }, run, &models)
+    let title = if models.models.is_empty() { "The test: curves" } else { "Test and models" };
+    drawn("curves", title, run, &models)
 }
 
 /// The pulse and the force over crush of the test and the recommended model: the figure of the first screen. `None`
 /// without both.
 pub fn first(run: &Run, ranking: &Ranking) -> Option<Figure> {
-    let mut figure =
-        drawn("first", PHRASES.figures.title_of_first, run, &DrawnModels::of(run, ranking).recommended(ranking))?;
+    let models = DrawnModels::of(run, ranking).recommended(ranking);
+    let mut figure = drawn("first", "The pulse, and the force over crush", run, &models)?;
     let pulse = figure.panels.iter().position(|panel| panel.time)?;
     let force = figure.panels.iter().position(|panel| panel.follows.is_some())?;
     figure.panels = [pulse, force].map(|place| figure.panels[place].clone()).to_vec();
@@ -55,17 +53,13 @@ fn drawn(id: &'static str, title: &str, run: &Run, models: &DrawnModels<'_>) -> 
     if run.acceleration().is_none() && measured.displacement.is_none() {
         return None;
     }
-    let texts = &PHRASES.figures;
     let mut figure = Figure::new(id, title);
     let test = figure.entry(test_name(run), Look::line(Colour::Test, Dash::Solid).width(Width::Thick), true);
-    let raw = figure.entry(
-        texts.as_read,
-        Look::line(Colour::Raw, Dash::Solid).width(Width::Thin),
-        measured.filtered.is_none(),
-    );
+    let raw =
+        figure.entry("as read", Look::line(Colour::Raw, Dash::Solid).width(Width::Thin), measured.filtered.is_none());
     let envelope = Envelope::of_run(run);
     let same_place = figure.entry(
-        envelope.as_ref().map_or_else(String::new, |e| fill(texts.same_place, &[("channels", e.channels.join(", "))])),
+        envelope.as_ref().map_or_else(String::new, |e| format!("sensors at the same place: {}", e.channels.join(", "))),
         Look::area(Colour::Test),
         true,
     );
@@ -74,11 +68,11 @@ fn drawn(id: &'static str, title: &str, run: &Run, models: &DrawnModels<'_>) -> 
 
     type Of = fn(&CandidateResult) -> Option<&Sampled>;
     let acceleration: (_, &str, f64, Of) =
-        (run.acceleration(), texts.acceleration, G_PER_M_PER_S2, |c| c.acceleration.as_ref());
+        (run.acceleration(), ACCELERATION, G_PER_M_PER_S2, |c| c.acceleration.as_ref());
     let velocity: (_, &str, f64, Of) =
-        (measured.velocity.as_ref(), texts.velocity, KM_PER_H_PER_M_PER_S, |c| c.velocity.as_ref());
+        (measured.velocity.as_ref(), VELOCITY, KM_PER_H_PER_M_PER_S, |c| c.velocity.as_ref());
     let displacement: (_, &str, f64, Of) =
-        (measured.displacement.as_ref(), texts.displacement, MILLI, |c| c.displacement.as_ref());
+        (measured.displacement.as_ref(), DISPLACEMENT, MILLI, |c| c.displacement.as_ref());
     for (place, (signal, title, factor, of)) in [acceleration, velocity, displacement].into_iter().enumerate() {
         let Some(signal) = signal else { continue };
         let drawn: Vec<(usize, &Sampled)> =
@@ -112,12 +106,11 @@ fn drawn(id: &'static str, title: &str, run: &Run, models: &DrawnModels<'_>) -> 
 
 /// `test, CFC 60`.
 fn test_name(run: &Run) -> String {
-    let texts = &PHRASES.figures;
     let cfc = run.filter.as_ref().and_then(|f| f.cfc).or_else(|| run.channel().and_then(|c| c.cfc));
     match (cfc, &run.measured.filtered) {
-        (Some(cfc), Some(_)) => fill(texts.test_cfc, &[("cfc", cfc.to_string())]),
-        (None, Some(_)) => texts.test_filtered.to_owned(),
-        _ => texts.test_as_read.to_owned(),
+        (Some(cfc), Some(_)) => format!("test, CFC{NBSP}{cfc}"),
+        (None, Some(_)) => "test, filtered".to_owned(),
+        _ => "test, as read".to_owned(),
     }
 }
 
@@ -176,7 +169,7 @@ fn mark_events(run: &Run, panel: &mut Panel, place: usize) {
     }
     let in_view = |t: &f64| panel.x.view.is_none_or(|[from, to]| (from..=to).contains(t));
     if let Some(t) = events.and_then(|e| e.time_of_rebound_s).map(|t| MILLI * t).filter(in_view) {
-        let name = fill(PHRASES.figures.rebound, &[("time", words::quantity(t, 1, "ms"))]);
+        let name = format!("rebound, {}", words::quantity(t, 1, "ms"));
         panel.mark(t, name, Colour::Muted, Dash::Dotted);
     }
     if panel.x.view.is_some_and(|[from, _]| from < 0.0) {
@@ -185,37 +178,41 @@ fn mark_events(run: &Run, panel: &mut Panel, place: usize) {
 }
 
 fn caption(run: &Run, models: &DrawnModels) -> String {
-    let texts = &PHRASES.figures;
-    let mut text = fill(texts.channel, &[("id", run.channel_id().unwrap_or(texts.unknown))]);
+    let mut text = format!("Channel {}", run.channel_id().unwrap_or("unknown"));
     if let Some(channel) = run.channel().filter(|channel| !channel.location.is_empty()) {
         text.push_str(&format!(" ({})", channel.location));
     }
-    text.push_str(texts.sign);
+    text.push_str(", SAE J211 sign: deceleration is negative.");
     if let Some(filter) = run.filter.as_ref().filter(|filter| filter.cfc.is_some()) {
-        text.push_str(&fill(texts.filtered, &[("mode", &filter.mode)]));
+        text.push_str(&format!(
+            " Filtered in mode {}. Click the unfiltered record in the legend to show it; it may exceed the axes.",
+            filter.mode
+        ));
     }
     if let Some(events) = &run.events {
         let words = |text: &str| text.replace('-', " ");
         match (events.rule.as_deref().map(words), events.start.as_deref().map(words)) {
             (Some(rule), Some(start)) => {
-                text.push_str(&fill(texts.integrated_from, &[("rule", rule), ("start", start)]));
+                text.push_str(&format!(" Velocity and displacement by the {rule} rule from {start}."));
             }
-            (Some(rule), None) => text.push_str(&fill(texts.integrated, &[("rule", rule)])),
+            (Some(rule), None) => text.push_str(&format!(" Integrated by the {rule} rule.")),
             _ => {}
         }
         if events.time_of_dynamic_crush_s.is_none() {
-            text.push_str(texts.no_crush_to_mark);
+            text.push_str(" The velocity does not reach zero within the record: there is no dynamic crush to mark.");
         }
     }
     if let Some([from, to]) = window_ms(run).filter(|_| !models.models.is_empty()) {
-        let ends = [("from", words::decimals(from, 1)), ("to", format!("{} ms", words::decimals(to, 1)))];
-        text.push_str(&fill(texts.window, &ends));
+        let [from, to] = [from, to].map(|end| words::decimals(end, 1));
+        text.push_str(&format!(" Models are compared in the shaded window, {from} to {to} ms."));
     }
     if models.hides_some() {
-        text.push_str(texts.others_wait);
+        text.push_str(
+            " Click other models in the legend to show them. One curve stands for parameter sets that fit alike.",
+        );
     }
     if models.equals > 0 {
-        text.push_str(texts.duals_once);
+        text.push_str(" Parameter sets that give exactly the same record (duals) are drawn once.");
     }
     text
 }

@@ -1,11 +1,10 @@
 //! Which candidates are drawn over the test, under which name, and how.
 
-use crate::phrases::PHRASES;
-use crate::phrases::words;
+use crate::words;
 use std::collections::BTreeSet;
 
 use crate::drawing::{Figure, Look};
-use crate::findings::{CandidateResult, Ranking, Run, candidate_name, ranking::pairs_of_equals};
+use crate::findings::{CandidateResult, Ranking, Run, capitalised, ranking::pairs_of_equals};
 
 use crate::figures::shown_at_first::at_first;
 
@@ -47,7 +46,6 @@ impl<'a> DrawnModels<'a> {
             }
             _ => at_first(&ranked, ranking, SHOWN),
         };
-        let texts = &PHRASES.figures;
         let fits = fit_texts(&ranked);
         let equals_of = |index: usize| stands_for.iter().filter(|drawn_as| **drawn_as == index).count() - 1;
         let mut models: Vec<(&CandidateResult, String)> = drawn
@@ -55,12 +53,13 @@ impl<'a> DrawnModels<'a> {
             .zip(&fits)
             .map(|((index, candidate), fit)| {
                 let role = match (Some(candidate.id.as_str()) == recommended, Some(candidate.id.as_str()) == closest) {
-                    (true, true) => texts.recommended_and_closest,
-                    (true, false) => texts.recommended,
-                    (false, true) => texts.closest,
+                    (true, true) => "recommended and closest: ",
+                    (true, false) => "recommended: ",
+                    (false, true) => "closest: ",
                     (false, false) => "",
                 };
-                (*candidate, format!("{role}{}", name(candidate, fit.as_deref(), equals_of(*index))))
+                let name = name(run, candidate, fit.as_deref(), equals_of(*index));
+                (*candidate, if role.is_empty() { capitalised(&name) } else { format!("{role}{name}") })
             })
             .collect();
         // The recommended and the closest first, then what else is shown: they have the colours before they repeat.
@@ -106,16 +105,16 @@ fn fit_texts(candidates: &[&CandidateResult]) -> Vec<Option<String>> {
     texts.iter().map(text).collect()
 }
 
-fn name(candidate: &CandidateResult, fit: Option<&str>, equals: usize) -> String {
-    let texts = &PHRASES.figures;
-    let mut remarks = Vec::new();
-    remarks.extend(fit.map(|fit| format!("{fit} %")));
+/// `Kelvin model (fitted), 99.07 %, and its dual: same record`: what stands behind the parenthesis is left out where
+/// there is little room.
+fn name(run: &Run, candidate: &CandidateResult, fit: Option<&str>, equals: usize) -> String {
+    let mut parts = vec![run.name_of(&candidate.id)];
+    parts.extend(fit.map(|fit| format!("{fit} %")));
     if equals > 0 {
-        remarks.push(texts.and_its_dual.to_owned());
+        parts.push("and its dual: same record".to_owned());
     }
     if !candidate.record.physical {
-        remarks.push(texts.not_physical.to_owned());
+        parts.push("not physical".to_owned());
     }
-    let name = candidate_name(&candidate.id);
-    if remarks.is_empty() { name } else { format!("{name} ({})", remarks.join("; ")) }
+    parts.join(", ")
 }

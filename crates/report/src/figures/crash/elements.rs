@@ -2,9 +2,8 @@
 
 use crate::drawing::numbers::{KILO, MILLI};
 use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, over};
-use crate::findings::{CandidateResult, Ranking, Run, candidate_name};
-use crate::phrases::PHRASES;
-use crate::phrases::words::fill;
+use crate::figures::time_view::FORCE;
+use crate::findings::{CandidateResult, Ranking, Run};
 
 /// Of the best candidate, or of the first in rank without one; `None` where no forces are at hand.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
@@ -17,10 +16,9 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let candidate = best.or_else(first)?;
     let to_s = candidate.simulation.as_ref().map_or(f64::INFINITY, |s| s.to_s);
     let one_mass = candidate.masses.is_empty();
-    let texts = &PHRASES.figures;
-    let title = if one_mass { texts.compression_of_front } else { texts.compression_between };
-    let mut figure = Figure::new("elements", texts.elements);
-    let mut panel = Panel::new(Axis::new(title), Axis::new(texts.force));
+    let title = if one_mass { "compression of the front, mm" } else { "compression between the masses, mm" };
+    let mut figure = Figure::new("elements", "Springs and dampers at work");
+    let mut panel = Panel::new(Axis::new(title), Axis::new(FORCE));
     for element in &candidate.elements {
         let from = element.force.index_at_or_after(0.0);
         let last = element.force.index_at_or_after(to_s).saturating_add(1).min(element.force.len());
@@ -30,12 +28,17 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         // One colour for what stands side by side in the model.
         let pair = element.name.trim_start_matches(['k', 'c']).parse::<usize>().unwrap_or(1).saturating_sub(1);
         let look = Look::line(Colour::Series(pair), if damper { Dash::Dashed } else { Dash::Solid });
-        let name = fill(if damper { texts.damper } else { texts.spring }, &[("name", &element.name)]);
-        let entry = figure.entry(name, look, true);
+        let kind = if damper { "damper" } else { "spring" };
+        let entry = figure.entry(format!("{kind} {}", element.name), look, true);
         panel.line(entry, over(&x, &y));
     }
-    let template = if one_mass { texts.elements_one_mass } else { texts.elements_masses };
-    figure.caption = fill(template, &[("model", candidate_name(&candidate.id))]);
+    let against =
+        if one_mass { "the compression of the front" } else { "how far the masses at its ends have come together" };
+    figure.caption = format!(
+        "Force in each spring and damper of {}, against {against}, over the compared window. The area below a curve \
+         is the work the element takes up.",
+        run.name_of(&candidate.id)
+    );
     figure.panels.push(panel);
     Some(figure.tidy())
 }

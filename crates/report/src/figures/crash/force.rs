@@ -2,10 +2,9 @@
 
 use crate::drawing::numbers::{G_PER_M_PER_S2, KILO, MILLI, NBSP};
 use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, over, span};
+use crate::figures::time_view::{DISPLACEMENT, FORCE};
 use crate::findings::{CandidateResult, Run};
-use crate::phrases::PHRASES;
-use crate::phrases::words;
-use crate::phrases::words::fill;
+use crate::words;
 use crumple_signal::Sampled;
 
 use super::drawn_models::DrawnModels;
@@ -20,15 +19,18 @@ pub fn panel(
     figure: &mut Figure,
 ) -> Option<(Panel, String)> {
     let displacement = run.measured.displacement.as_ref()?;
-    let texts = &PHRASES.figures;
     let drawn = match &run.measured.force {
-        Some(force) => Ordinate { signal: force.clone(), factor: KILO, title: texts.force },
-        None => Ordinate { signal: negated(run.acceleration()?)?, factor: G_PER_M_PER_S2, title: texts.deceleration },
+        Some(force) => Ordinate { signal: force.clone(), factor: KILO, title: FORCE },
+        None => Ordinate {
+            signal: negated(run.acceleration()?)?,
+            factor: G_PER_M_PER_S2,
+            title: "deceleration, g (mass not known)",
+        },
     };
     // After separation the force is noise about zero: the unloading branch ends at the rebound, if the record shows it.
     let t_end = run.events.as_ref().and_then(|e| e.time_of_rebound_s).unwrap_or(f64::INFINITY);
     let (loading, unloading) = branches(displacement, &drawn, run.time_of_crush_s(), t_end);
-    let mut panel = Panel::new(Axis::new(texts.displacement), Axis::new(drawn.title));
+    let mut panel = Panel::new(Axis::new(DISPLACEMENT), Axis::new(drawn.title));
     // What an acceleration of 1 g is on this axis: a body's own mass times it, or itself.
     let per_g = match (&run.measured.force, run.test.mass_kg) {
         (Some(_), mass_kg) => mass_kg.map(|mass_kg| -KILO * mass_kg / G_PER_M_PER_S2),
@@ -44,7 +46,7 @@ pub fn panel(
     if let Some(crush) = crush {
         // The linear spring that takes up the same work at the same crush: k C²/2 = work.
         let end = drawn.factor * 2.0 * loading.work() / crush;
-        let line = figure.entry(texts.equal_energy, Look::line(Colour::Muted, Dash::Dotted), true);
+        let line = figure.entry("equal-energy line (force over crush)", Look::line(Colour::Muted, Dash::Dotted), true);
         panel.line(line, vec![[0.0, 0.0], [MILLI * crush, end]]);
         panel.mark(
             MILLI * crush,
@@ -56,7 +58,8 @@ pub fn panel(
     panel.line(test, over(&whole.scaled_x(), &whole.scaled_y(drawn.factor)));
     // The load cells saw all masses, each with its own deceleration.
     if let Some(cells) = run.measured.barrier_force.as_ref().filter(|_| run.measured.force.is_some()) {
-        let entry = figure.entry(texts.load_cells, Look::line(Colour::Series(2), Dash::DashDot), true);
+        let entry =
+            figure.entry("barrier load cells (force over crush)", Look::line(Colour::Series(2), Dash::DashDot), true);
         panel.line(entry, load_cells(cells, displacement, t_end));
     }
     for ((candidate, _), entry) in models.models.iter().zip(entries) {
@@ -118,23 +121,30 @@ fn load_cells(cells: &Sampled, displacement: &Sampled, t_end: f64) -> Vec<[f64; 
 }
 
 fn caption(run: &Run, crush: Option<f64>, loading: &Branch, unloading: &Branch) -> String {
-    let texts = &PHRASES.figures;
     let with_unit = |value: f64, unit: &str| format!("{}{NBSP}{unit}", words::significant(value, 4));
     let mut caption = String::from(" ");
-    if let Some(crush) = crush
-        && run.test.mass_kg.is_some()
-        && run.measured.force.is_some()
-    {
+    if crush.is_some() && run.test.mass_kg.is_some() && run.measured.force.is_some() {
         let work = with_unit(KILO * loading.work(), "kJ");
-        let stiffness = with_unit(KILO * 2.0 * loading.work() / (crush * crush), "kN/m");
-        caption.push_str(&fill(texts.loading, &[("work", work), ("stiffness", stiffness)]));
+        let spring = run
+            .one_spring()
+            .map(|spring| format!("; one spring with the energy and the crush of the test has {}", spring.shown()));
+        caption.push_str(&format!("Loading takes up {work}{}. ", spring.unwrap_or_default()));
         if !unloading.x.is_empty() {
-            caption.push_str(&fill(texts.unloading, &[("work", with_unit(KILO * -unloading.work(), "kJ"))]));
+            let work = with_unit(KILO * -unloading.work(), "kJ");
+            caption.push_str(&format!("Unloading gives {work} back. "));
         }
     }
-    caption.push_str(if run.measured.force.is_some() { texts.force_is } else { texts.no_force });
+    caption.push_str(if run.measured.force.is_some() {
+        "Force is the test mass times the deceleration of this sensor: the barrier force of a vehicle that moves as \
+         one body."
+    } else {
+        "Deceleration instead of force: the record has neither mass nor force."
+    });
     if run.measured.barrier_force.is_some() && run.measured.force.is_some() {
-        caption.push_str(texts.load_cells_differ);
+        caption.push_str(
+            " The load cells measured it at the barrier: where the two part, the engine and other masses move \
+             otherwise than this sensor.",
+        );
     }
     caption
 }

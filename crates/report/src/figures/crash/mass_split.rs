@@ -6,9 +6,7 @@ use crate::findings::{
     Ranking, Run,
     mass_divisions::{Divisions, ratio},
 };
-use crate::phrases::PHRASES;
-use crate::phrases::words;
-use crate::phrases::words::fill;
+use crate::words;
 use crumple_artifact::records::MatchingSweepV1;
 
 /// Name, panel and value of the four parameters, with their marks where all four are positive and where not.
@@ -23,13 +21,13 @@ const PARAMETERS: [Parameter; 4] = [
 /// See [`Divisions::of_run`] for whose.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let divisions = Divisions::of_run(run, ranking)?;
-    let texts = &PHRASES.figures;
     let used = divisions.m2_kg / divisions.m1_kg;
     let feasible = divisions.feasible_ranges();
-    let mut figure = Figure::new("mass-split", texts.mass_split);
+    let mut figure = Figure::new("mass-split", "Mass splits that a double model can have");
     let logarithmic = |title: &str| Axis { logarithmic: true, ..Axis::new(title) };
-    let mut panels =
-        [texts.stiffness, texts.damping].map(|title| Panel::new(logarithmic(texts.mass_ratio), logarithmic(title)));
+    let over_ratio =
+        |title: &str| Panel::new(logarithmic("mass ratio m2/m1 (compartment over chassis)"), logarithmic(title));
+    let mut panels = ["stiffness, kN/m", "damping, kN·s/m"].map(over_ratio);
     for (place, &(name, panel, value, symbols)) in PARAMETERS.iter().enumerate() {
         for (physical, symbol) in [true, false].into_iter().zip(symbols) {
             // Negative values have no place on a logarithmic axis.
@@ -37,15 +35,14 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
                 .filter(|s| s.physical == physical && value(s) > 0.0)
                 .map(|s| [ratio(s), KILO * value(s)])
                 .collect();
-            let template = if physical { texts.all_positive } else { texts.another_negative };
-            let name = fill(template, &[("name", name)]);
-            let entry = figure.entry(name, Look::marks(Colour::Series(place), symbol), true);
+            let sign = if physical { "all four positive" } else { "another is negative" };
+            let entry = figure.entry(format!("{name}, {sign}"), Look::marks(Colour::Series(place), symbol), true);
             panels[panel].points(entry, points);
         }
     }
     for panel in &mut panels {
         panel.windows.extend(feasible.iter().map(|(low, high)| [*low, *high]));
-        panel.mark(used, texts.used, Colour::Event, Dash::Dashed);
+        panel.mark(used, "used", Colour::Event, Dash::Dashed);
     }
     figure.caption = caption(&divisions, used, &feasible);
     figure.panels = panels.into();
@@ -53,18 +50,26 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
 }
 
 fn caption(divisions: &Divisions, used: f64, feasible: &[(f64, f64)]) -> String {
-    let texts = &PHRASES.figures;
     let inside = feasible.iter().any(|(low, high)| (*low..=*high).contains(&used));
     let bound = match divisions.largest_mass_ratio {
-        Some(bound) => fill(texts.only_up_to, &[("bound", words::significant(bound, 3))]),
-        None => texts.no_division.to_owned(),
+        Some(bound) => format!("They exist only for m2/m1 up to {}.", words::significant(bound, 3)),
+        None => "No division allows them: the identified polynomial is not that of a passive structure.".to_owned(),
     };
     let total = format!("{} kg", words::significant(divisions.m1_kg + divisions.m2_kg, 4));
-    let template = if divisions.fitted { texts.same_poles } else { texts.real_solutions };
-    let what = fill(template, &[("source", &divisions.source), ("mass", &total)]);
-    let template = if inside { texts.used_is_among } else { texts.used_is_not_among };
-    let used = fill(template, &[("ratio", words::significant(used, 3))]);
-    format!("{what} {} {bound} {used}", texts.mass_split_filled)
+    let source = &divisions.source;
+    let what = if divisions.fitted {
+        format!(
+            "Parameter sets with the same poles as {source}, at the same total mass, {total}. At another division the \
+             poles are kept, the motion is not quite: fit again with --front-mass-fraction to see by how much."
+        )
+    } else {
+        format!("Real solutions of coefficient matching of {source} at the same total mass, {total}.")
+    };
+    let (used, verb) = (words::significant(used, 3), if inside { "is" } else { "is not" });
+    format!(
+        "{what} Filled: all four parameters are positive, and such divisions are shaded; negative values have no place \
+         on a logarithmic axis. {bound} The assumed split, m2/m1 = {used}, {verb} one of them."
+    )
 }
 
 #[cfg(test)]
@@ -133,9 +138,7 @@ mod tests {
     fn a_fitted_model_is_drawn_where_coefficient_matching_did_not_run() {
         let (run, ranking) = fitted_run();
         let figure = figure(&run, &ranking).unwrap();
-        assert!(
-            figure.caption.starts_with("Parameter sets with the same poles as Double spring-mass-damper, direct fit 1")
-        );
+        assert!(figure.caption.starts_with("Parameter sets with the same poles as double spring-mass-damper (fitted)"));
         assert!(figure.caption.ends_with("m2/m1 = 3.00, is one of them."), "{}", figure.caption);
     }
 }

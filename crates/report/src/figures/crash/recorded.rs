@@ -3,15 +3,13 @@
 use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crate::drawing::{Axis, Colour, Dash, Figure, Look, Width, over_time};
 use crate::figures::crash::curves::view_ms;
-use crate::figures::time_view::over_time_axis;
+use crate::figures::time_view::{DISPLACEMENT, over_time_axis};
 use crate::findings::Run;
-use crate::phrases::PHRASES;
 
 /// A curve a channel; `None` without any.
 pub fn figure(run: &Run) -> Option<Figure> {
-    let texts = &PHRASES.figures;
-    let mut figure = Figure::new("recorded", texts.title_of_recorded);
-    let mut changes = over_time_axis(view_ms(run), Axis::new(texts.velocity_change));
+    let mut figure = Figure::new("recorded", "What the recorder kept");
+    let mut changes = over_time_axis(view_ms(run), Axis::new("change of velocity, km/h"));
     let mut first = None;
     for (place, (id, change)) in run.recorded_changes.iter().enumerate() {
         let colour = place.checked_sub(1).map_or(Colour::Test, Colour::Series);
@@ -22,7 +20,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
     let first = first?;
     figure.panels.push(changes);
     if let Some(way) = &run.measured.displacement {
-        let mut panel = over_time_axis(view_ms(run), Axis::new(texts.displacement));
+        let mut panel = over_time_axis(view_ms(run), Axis::new(DISPLACEMENT));
         panel.line(first, over_time(way, MILLI));
         figure.panels.push(panel);
     }

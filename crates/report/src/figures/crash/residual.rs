@@ -3,7 +3,6 @@
 use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crate::drawing::{Axis, Colour, Dash, Figure, Look, over_time};
 use crate::findings::{CandidateResult, Ranking, Run};
-use crate::phrases::PHRASES;
 use crumple_signal::Sampled;
 
 use super::curves::{view_ms, window_ms};
@@ -19,18 +18,18 @@ const BAND: f64 = 6.0;
 /// Of displacement and velocity; `None` without a test or without a model.
 pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let models = DrawnModels::of(run, ranking);
-    let texts = &PHRASES.figures;
-    let mut figure = Figure::new("residual", texts.residual);
+    let mut figure = Figure::new("residual", "Test minus model");
     let entries = models.entries(&mut figure);
     let window = window_ms(run);
     let best = ranking.best.as_deref().and_then(|id| run.candidate(id));
     let band = best.and_then(|best| best.simulation.as_ref()?.band.as_ref());
-    let moved = band.is_some().then(|| figure.entry(texts.residual_band, Look::area(Colour::Test), true));
+    let name_of_band = "recommended: 95 % band from its parameters";
+    let moved = band.is_some().then(|| figure.entry(name_of_band, Look::area(Colour::Test), true));
     type Of = fn(&CandidateResult) -> Option<&Sampled>;
     let displacement: (_, &str, f64, Of) =
-        (&run.measured.displacement, texts.residual_displacement, MILLI, |c| c.displacement.as_ref());
+        (&run.measured.displacement, "residual of the displacement, mm", MILLI, |c| c.displacement.as_ref());
     let velocity: (_, &str, f64, Of) =
-        (&run.measured.velocity, texts.residual_velocity, KM_PER_H_PER_M_PER_S, |c| c.velocity.as_ref());
+        (&run.measured.velocity, "residual of the velocity, km/h", KM_PER_H_PER_M_PER_S, |c| c.velocity.as_ref());
     let bands = [band.map(|b| (b.dt_s, &b.displacement_m)), band.map(|b| (b.dt_s, &b.velocity_m_per_s))];
     for ((test, title, factor, of), band) in [displacement, velocity].into_iter().zip(bands) {
         let mut panel = over_time_axis(view_ms(run), Axis::new(title));
@@ -59,8 +58,12 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         }
         figure.panels.push(panel);
     }
+    figure.caption = String::from(
+        "The axes hold the largest residual inside the shaded window, which the models are compared over; a model \
+         that was made for the loading phase may leave them after it. Of many models the first six are drawn.",
+    );
     let figure = figure.tidy();
-    (!figure.panels.is_empty()).then(|| Figure { caption: texts.residual_caption.to_owned(), ..figure })
+    (!figure.panels.is_empty()).then_some(figure)
 }
 
 /// Test minus model at the model's samples, as far as the test reaches.

@@ -1,17 +1,15 @@
 //! Other sensors on the vehicle, and the masses of the models over them.
 
-use crate::phrases::PHRASES;
 use std::collections::BTreeSet;
 
 use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crate::drawing::{Axis, Colour, Dash, Figure, Look, Width, over_time};
-use crate::findings::{CandidateResult, Ranking, Run, SensorMotion, candidate_name};
-use crate::phrases::words::fill;
+use crate::findings::{CandidateResult, Ranking, Run, SensorMotion};
 use crumple_signal::Sampled;
 
 use super::curves::view_ms;
 use crate::figures::shown_at_first::at_first;
-use crate::figures::time_view::over_time_axis;
+use crate::figures::time_view::{DISPLACEMENT, VELOCITY, over_time_axis};
 
 /// Candidates whose masses are drawn over a sensor.
 const SHOWN: usize = 3;
@@ -26,12 +24,15 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     }
     let mut ranked: Vec<&CandidateResult> = run.candidates.iter().collect();
     ranked.sort_by_key(|candidate| ranking.place(&candidate.id).unwrap_or(usize::MAX));
-    let texts = &PHRASES.figures;
-    let mut figure = Figure::new("sensors", texts.sensors);
-    figure.caption = texts.sensors_caption.to_owned();
+    let mut figure = Figure::new("sensors", "Other sensors on the vehicle");
+    figure.caption = String::from(
+        "Each sensor integrated from its own acceleration. A mass of a model is drawn over the sensor that sits on \
+         it, for the best candidates, and the compartment of the best model over the pulse; sensors that the best \
+         model was not compared with and no mass stands for wait in the legend.",
+    );
     let view = view_ms(run).map(|[from, to]| [from.max(0.0), to]);
-    let mut velocity = over_time_axis(view, Axis::new(texts.velocity));
-    let axis = Axis { view: displacement_view(run, view), ..Axis::new(texts.displacement) };
+    let mut velocity = over_time_axis(view, Axis::new(VELOCITY));
+    let axis = Axis { view: displacement_view(run, view), ..Axis::new(DISPLACEMENT) };
     let mut displacement = over_time_axis(view, axis);
     let mut push = |name: String, look: Look, shown: bool, v: Option<&Sampled>, x: Option<&Sampled>| {
         let entry = figure.entry(name, look, shown);
@@ -40,7 +41,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     };
     let measured = &run.measured;
     push(
-        fill(texts.pulse, &[("channel", run.channel_id().unwrap_or_default())]),
+        format!("pulse {}", run.channel_id().unwrap_or_default()),
         Look::line(Colour::Raw, Dash::Solid),
         true,
         measured.velocity.as_ref(),
@@ -49,7 +50,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let best = ranking.best.as_deref().and_then(|id| run.candidate(id));
     if let Some(best) = best.filter(|best| best.displacement.is_some()) {
         push(
-            fill(texts.compartment_of, &[("model", candidate_name(&best.id))]),
+            format!("compartment of {}", run.name_of(&best.id)),
             Look::line(Colour::Event, Dash::Dashed),
             true,
             best.velocity.as_ref(),
@@ -73,7 +74,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
         for (candidate, mass) in models {
             let Some((x, v)) = candidate.masses.get(mass - 1) else { continue };
             push(
-                fill(texts.mass_of, &[("mass", mass.to_string()), ("model", candidate_name(&candidate.id))]),
+                format!("mass {mass} of {}", run.name_of(&candidate.id)),
                 Look::of_series(series),
                 shown.contains(candidate.id.as_str()),
                 v.as_ref(),
@@ -94,7 +95,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
 fn sensor_name(run: &Run, sensor: &SensorMotion) -> String {
     let place = run.test.channel(&sensor.channel).map(|c| c.location.clone()).filter(|place| !place.is_empty());
     let place = place.map_or_else(String::new, |place| format!(" ({place})"));
-    fill(PHRASES.figures.sensor, &[("channel", &sensor.channel), ("place", &place)])
+    format!("sensor {}{place}", sensor.channel)
 }
 
 /// The candidates with a mass at a sensor, at most [`SHOWN`] or all shown at first, with that mass; and the ids of

@@ -1,12 +1,10 @@
 //! Frequency response of the identified transfer functions.
 
-use crate::phrases::PHRASES;
-use crate::phrases::words;
+use crate::words;
 use std::f64::consts::{PI, TAU};
 
 use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, over};
 use crate::findings::{Model, Run, words_and_unit};
-use crate::phrases::words::fill;
 use crumple_artifact::records::TransferFunctionV1;
 
 const POINTS: usize = 400;
@@ -41,11 +39,10 @@ pub fn figure(run: &Run) -> Option<Figure> {
     let shown = models.iter().flat_map(|(_, curve)| &curve.frequencies_hz);
     let (low, high) = shown.fold((f64::INFINITY, 0.0_f64), |(l, h), &f| (l.min(f), h.max(f)));
 
-    let texts = &PHRASES.identification;
-    let axis = || Axis { logarithmic: true, ..Axis::new(texts.frequency).from_to([low, high]) };
-    let mut figure = Figure::new("bode", texts.bode);
-    let mut magnitude = Panel::new(axis(), Axis::new(texts.magnitude));
-    let mut phase = Panel::new(axis(), Axis::new(texts.phase));
+    let axis = || Axis { logarithmic: true, ..Axis::new("frequency, Hz").from_to([low, high]) };
+    let mut figure = Figure::new("bode", "Frequency response");
+    let mut magnitude = Panel::new(axis(), Axis::new("magnitude, dB"));
+    let mut phase = Panel::new(axis(), Axis::new("phase, °"));
     // The names of the modes of all models would cover each other.
     let is_drawn = |id: &String| models.iter().any(|(model, _)| model.id == *id);
     let marked = run.model_order().into_iter().map(|place| &run.models[place].id).find(|id| is_drawn(id));
@@ -71,17 +68,18 @@ pub fn figure(run: &Run) -> Option<Figure> {
         }
     }
     let ((in_words, _), (out_words, out_unit)) = (words_and_unit(&first.input), words_and_unit(&first.output));
-    let filled = [
-        ("input", words(in_words, texts.the_input)),
-        ("output", words(out_words, texts.the_output)),
-        ("units", if out_unit.is_some() { texts.si_units } else { "" }),
-    ];
-    let mut caption = fill(texts.bode_caption, &filled);
+    let mut caption = format!(
+        "From {} to {}{}. Phase is unwrapped; natural frequencies of oscillating poles of the recommended, else the \
+         closest model are marked.",
+        words(in_words, "the input"),
+        words(out_words, "the output"),
+        if out_unit.is_some() { ", SI units" } else { "" }
+    );
     for (model, band) in models.iter().filter_map(|(model, curve)| Some((model, curve.band.as_ref()?))) {
-        caption.push_str(&fill(texts.band_of, &[("model", &model.id), ("band", band)]));
+        caption.push_str(&format!(" Band of {}: {band}.", model.id));
     }
     if models.iter().all(|(_, curve)| curve.band.is_none()) {
-        caption.push_str(texts.no_band);
+        caption.push_str(" No band: the records hold no uncertainty of these models.");
     }
     figure.caption = caption;
     figure.panels = vec![magnitude, phase];

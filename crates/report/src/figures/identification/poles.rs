@@ -1,12 +1,10 @@
 //! Poles in the s plane with lines of equal damping and circles of equal frequency.
 
-use crate::phrases::PHRASES;
-use crate::phrases::words;
+use crate::words;
 use std::f64::consts::TAU;
 
 use crate::drawing::{Axis, Colour, Figure, Label, Look, Panel, Symbol};
 use crate::findings::{Model, PoleStability, Run};
-use crate::phrases::words::fill;
 
 /// Marks of the models, so that they differ without colour too.
 const SYMBOLS: [Symbol; 4] = [Symbol::Cross, Symbol::Plus, Symbol::Star, Symbol::Square];
@@ -24,13 +22,12 @@ pub fn figure(run: &Run) -> Option<Figure> {
     }
     moduli.sort_by(f64::total_cmp);
     let (radius, outside) = first_view(&moduli);
-    let texts = &PHRASES.identification;
 
-    let mut figure = Figure::new("poles", texts.poles);
+    let mut figure = Figure::new("poles", "Poles and zeros of the identified models");
     // The upper half of the plane: poles of a real system are mirrored in the lower one.
     let (left, right, low, high) = (-1.2 * radius, 0.42 * radius, -0.1 * radius, 1.18 * radius);
-    let real = Axis::new(texts.real_part).from_to([left, right]);
-    let mut panel = Panel::new(real, Axis::new(texts.imaginary_part).from_to([low, high]));
+    let real = Axis::new("real part, 1/s").from_to([left, right]);
+    let mut panel = Panel::new(real, Axis::new("imaginary part, rad/s").from_to([low, high]));
     // One length for a unit on both axes, so that circles are round.
     panel.height = PLANE_WIDTH * (high - low) / (right - left);
     guide_lines(&mut panel, radius, [low, high]);
@@ -43,11 +40,10 @@ pub fn figure(run: &Run) -> Option<Figure> {
 
 /// The poles of every model, unstable ones apart.
 fn poles(run: &Run, figure: &mut Figure, panel: &mut Panel) {
-    let texts = &PHRASES.identification;
     for (place, model) in run.models.iter().enumerate() {
         for stable in [true, false] {
             let poles = model.poles().filter(|(_, stability)| (*stability != PoleStability::Unstable) == stable);
-            let name = if stable { model.id.clone() } else { fill(texts.unstable_poles, &[("model", &model.id)]) };
+            let name = if stable { model.id.clone() } else { format!("{}, unstable", model.id) };
             let symbol = if stable { SYMBOLS[place % SYMBOLS.len()] } else { Symbol::Triangle };
             let colour = if stable { Colour::Series(place) } else { Colour::Event };
             let entry = figure.entry(name, Look::marks(colour, symbol), true);
@@ -58,7 +54,6 @@ fn poles(run: &Run, figure: &mut Figure, panel: &mut Panel) {
 
 /// The zeros of every model. Gives how many lie outside the first view of this radius.
 fn zeros(run: &Run, figure: &mut Figure, panel: &mut Panel, radius: f64) -> usize {
-    let texts = &PHRASES.identification;
     let mut far = 0;
     for (place, model) in run.models.iter().enumerate() {
         let Some(response) = &model.response else { continue };
@@ -66,7 +61,7 @@ fn zeros(run: &Run, figure: &mut Figure, panel: &mut Panel, radius: f64) -> usiz
         let near = |[re, im]: &[f64; 2]| re.hypot(*im) <= 1.2 * radius;
         far += zeros().filter(|z| !near(z)).count();
         let look = Look::marks(Colour::Series(place), Symbol::Ring);
-        let entry = figure.entry(fill(texts.zeros, &[("model", &model.id)]), look, run.models.len() <= 3);
+        let entry = figure.entry(format!("{}, zeros", model.id), look, run.models.len() <= 3);
         // No name in the legend without a mark in the view.
         panel.points(entry, zeros().filter(|z| near(z) && z[1] >= 0.0).collect());
     }
@@ -91,26 +86,46 @@ fn guide_lines(panel: &mut Panel, radius: f64, [low, high]: [f64; 2]) {
 
 /// What the figure shows, how many poles are not stable, what lies outside of it.
 fn caption(run: &Run, far_zeros: usize, outside: usize) -> String {
-    let texts = &PHRASES.identification;
     let poles = || run.models.iter().flat_map(Model::poles);
     let [stable, marginal, unstable] = [PoleStability::Stable, PoleStability::Marginal, PoleStability::Unstable]
         .map(|wanted| poles().filter(|(_, stability)| *stability == wanted).count());
     // A model whose poles nobody wrote may have any.
     let all_known = run.models.iter().all(|model| model.poles().next().is_some() || model.identification.is_none());
-    let counted = |template: &str, count: usize| fill(template, &[("count", count.to_string())]);
-    let mut caption = texts.poles_caption.to_owned();
+    let mut caption = String::from(
+        "Continuous poles, and zeros as circles; their mirror images below the real axis are not drawn. Rays join \
+         poles of equal damping ratio ζ, circles those of equal natural frequency.",
+    );
     if all_known && marginal + unstable == 0 && stable > 0 {
-        caption.push_str(texts.all_stable);
+        caption.push_str(" All poles are stable.");
     }
     // Of the wider side of the view some zeros may still be in sight.
     for (count, one, several) in [
-        (unstable, texts.one_unstable, texts.several_unstable),
-        (marginal, texts.one_marginal, texts.several_marginal),
-        (far_zeros, texts.one_far_zero, texts.far_zeros),
-        (outside, texts.one_far_pole, texts.far_poles),
+        (
+            unstable,
+            " One pole is unstable (right half plane): it describes the window, not what was measured.",
+            format!(
+                " {unstable} poles are unstable (right half plane): they describe the window, not what was measured."
+            ),
+        ),
+        (
+            marginal,
+            " One pole is marginal (on the stability limit): it neither dies down nor grows over the record.",
+            format!(
+                " {marginal} poles are marginal (on the stability limit): they neither die down nor grow over \
+                 the record."
+            ),
+        ),
+        (
+            far_zeros,
+            " 1 zero lies farther out than these poles.",
+            format!(" {far_zeros} zeros lie farther out than these poles."),
+        ),
+        (outside, " 1 far pole lies outside the axes.", format!(" {outside} far poles lie outside the axes.")),
     ] {
-        if count > 0 {
-            caption.push_str(&counted(if count == 1 { one } else { several }, count));
+        match count {
+            0 => {}
+            1 => caption.push_str(one),
+            _ => caption.push_str(&several),
         }
     }
     caption

@@ -3,8 +3,6 @@
 use crate::drawing::numbers::LONG_S;
 use crate::drawing::{Axis, Figure, Look, Panel, over};
 use crate::findings::{Run, words_and_unit};
-use crate::phrases::PHRASES;
-use crate::phrases::words::fill;
 
 /// A model that grows this far beyond the others would hide them.
 const GROWN: f64 = 1e3;
@@ -34,9 +32,8 @@ pub fn figure(run: &Run) -> Option<Figure> {
     let seen_s = || models.iter().map(|(_, r)| settles(&r.time_s, &r.impulse)).fold(0.0, f64::max).min(longest_s);
     let (factor, unit) = if seen_s() > LONG_S { (1.0, "s") } else { (1e3, "ms") };
     // Models with another input or output have other units: they start hidden.
-    let texts = &PHRASES.identification;
     let of_free_motion = first.input.contains("Markov");
-    let title = if of_free_motion { texts.impulse_title } else { texts.impulse_and_step_title };
+    let title = if of_free_motion { "Impulse response" } else { "Impulse and step response" };
     let mut figure = Figure::new("responses", title);
     let (mut impulse, mut step) =
         (Panel::new(Axis::default(), Axis::default()), Panel::new(Axis::default(), Axis::default()));
@@ -58,30 +55,28 @@ pub fn figure(run: &Run) -> Option<Figure> {
         }
     }
     let ((_, in_unit), (words, out_unit)) = (words_and_unit(&first.input), words_and_unit(&first.output));
-    let impulse_of = match first.impulse_of.as_str() {
-        "unit impulse" => texts.unit_impulse,
-        "unit sample" => texts.unit_sample,
-        other => other,
-    };
-    let output = if words.is_empty() { texts.the_output } else { words };
-    let template = if of_free_motion { texts.response_caption } else { texts.response_step_caption };
-    let mut caption = fill(template, &[("output", output), ("impulse", impulse_of)]);
+    let output = if words.is_empty() { "the output" } else { words };
+    let and_step = if of_free_motion { "" } else { " and to a unit step" };
+    let mut caption = format!("Response of {output} to a {}{and_step}, from rest.", first.impulse_of);
     // An impulse of a unit for one sample has the input's unit, an impulse of unit area that times s.
     let per = |more: &str| match (&out_unit, &in_unit) {
-        (Some(out), Some(input)) => fill(texts.per, &[("output", out.clone()), ("input", format!("{input}{more}"))]),
+        (Some(out), Some(input)) => format!(", {out} per {input}{more}"),
         (Some(out), None) => format!(", {out}"),
         _ => String::new(),
     };
     let more = if first.impulse_of == "unit impulse" { "·s" } else { "" };
-    let impulse_title = fill(texts.impulse_response, &[("unit", per(more))]);
-    let time_title = fill(texts.time_of_window, &[("unit", unit)]);
-    let step_title = fill(texts.step_response, &[("unit", per(""))]);
+    let impulse_title = format!("impulse response{}", per(more));
+    let time_title = format!("time from the start of the window, {unit}");
+    let step_title = format!("step response{}", per(""));
     let view = (settled_s > 0.0 && ROOM * settled_s < 0.5 * longest_s).then_some([0.0, factor * ROOM * settled_s]);
     if view.is_some() {
-        caption.push_str(texts.died_down);
+        caption.push_str(" The axis of time ends where the impulse response has died down.");
     }
     if hidden > 0 {
-        caption.push_str(&fill(texts.hidden, &[("count", hidden.to_string())]));
+        caption.push_str(&format!(
+            " {hidden} models with another output, another impulse, or far larger responses are hidden: their names in \
+             the legend show them."
+        ));
     }
     for (panel, title) in [(&mut impulse, impulse_title), (&mut step, step_title)] {
         panel.x = Axis { view, ..Axis::new(&time_title) };

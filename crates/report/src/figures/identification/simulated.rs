@@ -3,9 +3,7 @@
 use crate::drawing::numbers::LONG_S;
 use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width};
 use crate::findings::{ErrorCorrelation, Model, ModelOutput, Run};
-use crate::phrases::PHRASES;
-use crate::phrases::words;
-use crate::phrases::words::fill;
+use crate::words;
 use crumple_signal::{QuantityKind, Sampled};
 
 /// Outputs that have a panel.
@@ -31,9 +29,8 @@ fn channels(run: &Run) -> Vec<&str> {
 /// Measured over simulated; `None` where no output of a model is in the artifacts.
 pub fn compare(run: &Run) -> Option<Figure> {
     let channels = channels(run);
-    let texts = &PHRASES.identification;
-    let mut figure = Figure::new("compare", texts.compare);
-    let test = figure.entry(texts.measured, Look::line(Colour::Test, Dash::Solid).width(Width::Thick), true);
+    let mut figure = Figure::new("compare", "Measured and simulated");
+    let test = figure.entry("measured", Look::line(Colour::Test, Dash::Solid).width(Width::Thick), true);
     let order = run.model_order();
     let entries: Vec<usize> = run
         .models
@@ -59,15 +56,15 @@ pub fn compare(run: &Run) -> Option<Figure> {
         is_cut |= panel.1;
         figure.panels.push(panel.0);
     }
-    let mut caption = texts.compare_caption.to_owned();
+    let mut caption = String::from("The record and the outputs that the models answer the recorded inputs with.");
     if run.models.iter().any(|model| model.unseen_fit_percent().is_some()) {
-        caption.push_str(texts.compare_unseen);
+        caption.push_str(" Shaded: unseen samples, with the start of the model fitted to them.");
     }
     if is_cut {
-        caption.push_str(texts.compare_cut);
+        caption.push_str(" The axis of time shows a part of the record at first.");
     }
     if channels.len() > MOST_OUTPUTS {
-        caption.push_str(&fill(texts.more_outputs, &[("count", (channels.len() - MOST_OUTPUTS).to_string())]));
+        caption.push_str(&format!(" {} more outputs are in the artifact.", channels.len() - MOST_OUTPUTS));
     }
     figure.caption = caption;
     let figure = figure.tidy();
@@ -76,13 +73,10 @@ pub fn compare(run: &Run) -> Option<Figure> {
 
 /// `n4sid-4, 96.1 % (unseen 95.4 %)`.
 fn legend(model: &Model) -> String {
-    let texts = &PHRASES.identification;
     let percent = |fit: f64| format!("{} %", words::decimals(fit, 1));
     match (model.fit_percent().map(percent), model.unseen_fit_percent().map(percent)) {
-        (Some(fit), Some(unseen)) => {
-            fill(texts.legend_unseen, &[("model", &model.id), ("fit", &fit), ("unseen", &unseen)])
-        }
-        (Some(fit), None) => fill(texts.legend_fit, &[("model", &model.id), ("fit", &fit)]),
+        (Some(fit), Some(unseen)) => format!("{}, {fit}, unseen {unseen}", model.id),
+        (Some(fit), None) => format!("{}, {fit}", model.id),
         (None, _) => model.id.clone(),
     }
 }
@@ -102,11 +96,7 @@ fn panel_of(channel: &str, drawn: &[(usize, &ModelOutput)], test: usize) -> Opti
     let seen_s = view.map_or(to_s - from_s, |[from, to]| to - from);
     // In s where what is looked at is long.
     let (factor, unit) = if seen_s > LONG_S { (1.0, "s") } else { (1e3, "ms") };
-    let texts = &PHRASES.identification;
-    let x = Axis {
-        view: view.map(|ends| ends.map(|t| factor * t)),
-        ..Axis::new(fill(texts.time_of_record, &[("unit", unit)]))
-    };
+    let x = Axis { view: view.map(|ends| ends.map(|t| factor * t)), ..Axis::new(format!("time, {unit}")) };
     let unit = drawn.iter().find_map(|(_, output)| output.quantity).map(QuantityKind::si_unit);
     let unit = unit.filter(|unit| *unit != "1").map_or_else(String::new, |unit| format!(", {unit}"));
     let mut panel = Panel::new(x, Axis::new(format!("{channel}{unit}")));
@@ -137,9 +127,8 @@ fn crossings(signal: &Sampled) -> f64 {
 /// Autocorrelation of the errors and their correlation with the inputs, with their 95 % limits; `None` without both
 /// curves of an output.
 pub fn errors(run: &Run) -> Option<Figure> {
-    let texts = &PHRASES.identification;
-    let mut figure = Figure::new("errors", texts.errors);
-    let limits = figure.entry(texts.limits_of_white, Look::area(Colour::Test), true);
+    let mut figure = Figure::new("errors", "Errors of the simulation");
+    let limits = figure.entry("95 % limits of white errors", Look::area(Colour::Test), true);
     let order = run.model_order();
     let entries: Vec<usize> = run
         .models
@@ -161,7 +150,7 @@ pub fn errors(run: &Run) -> Option<Figure> {
             .collect();
         let own: Vec<(usize, ErrorCorrelation)> =
             outputs.iter().filter_map(|(entry, _, output)| Some((*entry, output.autocorrelation()?))).collect();
-        figure.panels.extend(correlation_panel(fill(texts.own_correlation, &[("channel", channel)]), &own, limits));
+        figure.panels.extend(correlation_panel(format!("errors of {channel}"), &own, limits));
         let mut names: Vec<&str> = Vec::new();
         for (name, _) in outputs.iter().flat_map(|(_, model, _)| &model.inputs) {
             if !names.contains(&name.as_str()) {
@@ -176,7 +165,7 @@ pub fn errors(run: &Run) -> Option<Figure> {
                     Some((*entry, output.correlation_with(input)?))
                 })
                 .collect();
-            let title = fill(texts.input_correlation, &[("channel", channel), ("input", name)]);
+            let title = format!("errors of {channel} with {name}");
             figure.panels.extend(correlation_panel(title, &with_input, limits));
         }
     }
@@ -184,21 +173,21 @@ pub fn errors(run: &Run) -> Option<Figure> {
         let model = &run.models[*place];
         let all: Vec<ErrorCorrelation> = model.outputs.iter().filter_map(ModelOutput::autocorrelation).collect();
         let lags: usize = all.iter().map(|correlation| correlation.at_lags.len() - 1).sum();
-        let counts = [
-            ("model", model.id.clone()),
-            ("outside", all.iter().map(ErrorCorrelation::outside).sum::<usize>().to_string()),
-            ("lags", lags.to_string()),
-        ];
-        (!all.is_empty()).then(|| fill(texts.errors_outside, &counts))
+        let outside: usize = all.iter().map(ErrorCorrelation::outside).sum();
+        (!all.is_empty()).then(|| format!(" {}: {outside} of {lags} lags are outside.", model.id))
     });
-    figure.caption = format!("{}{}", texts.errors_caption, outside.collect::<String>());
+    figure.caption = format!(
+        "Autocorrelation of the errors, and their correlation with the inputs; a negative lag is an input after the \
+         error. Errors outside the limits are correlated: deviations that assume white ones are wrong.{}",
+        outside.collect::<String>()
+    );
     let figure = figure.tidy();
     (!figure.panels.is_empty()).then_some(figure)
 }
 
 fn correlation_panel(title: String, all: &[(usize, ErrorCorrelation)], limits: usize) -> Option<Panel> {
     let (_, first) = all.first()?;
-    let mut panel = Panel::new(Axis { whole: true, ..Axis::new(PHRASES.identification.lag) }, Axis::new(title));
+    let mut panel = Panel::new(Axis { whole: true, ..Axis::new("lag, samples") }, Axis::new(title));
     // A shorter record has the wider limits.
     let limit = all.iter().map(|(_, correlation)| correlation.limit).fold(0.0, f64::max);
     let ends = [first.at_lags.first()?[0], first.at_lags.last()?[0]];

@@ -2,9 +2,7 @@
 
 use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, Symbol};
 use crate::findings::Run;
-use crate::phrases::PHRASES;
-use crate::phrases::words;
-use crate::phrases::words::fill;
+use crate::words;
 
 /// Values drawn: more say nothing about an order that a crash record supports.
 const DRAWN: usize = 40;
@@ -12,11 +10,10 @@ const SYMBOLS: [Symbol; 4] = [Symbol::Disc, Symbol::Square, Symbol::Diamond, Sym
 
 /// Relative singular values of every model; `None` where none has any.
 pub fn figure(run: &Run) -> Option<Figure> {
-    let texts = &PHRASES.identification;
-    let mut figure = Figure::new("singular-values", texts.singular_values);
-    let axis = Axis { whole: true, ..Axis::new(texts.index) };
-    let mut panel = Panel::new(axis, Axis { logarithmic: true, ..Axis::new(texts.relative_singular_value) });
-    let mut caption = texts.singular_values_caption.to_owned();
+    let mut figure = Figure::new("singular-values", "Evidence for the order");
+    let axis = Axis { whole: true, ..Axis::new("index") };
+    let mut panel = Panel::new(axis, Axis { logarithmic: true, ..Axis::new("relative singular value") });
+    let mut caption = String::from("Singular values of the Hankel matrix relative to the largest.");
     // Models of several orders from one record share their singular values: drawn once.
     let mut drawn: Vec<&[f64]> = Vec::new();
     for model in &run.models {
@@ -31,11 +28,11 @@ pub fn figure(run: &Run) -> Option<Figure> {
                 (1..=values.len().min(DRAWN)).map(|k| [k as f64, values[k - 1] / largest]).collect();
             let line = figure.entry(&model.id, Look::of_series(place), true);
             panel.line(line, shown.clone());
-            let (name, symbol) = (fill(texts.values, &[("model", &model.id)]), SYMBOLS[place % SYMBOLS.len()]);
-            let points = figure.entry(name, Look::marks(Colour::Series(place), symbol), true);
+            let look = Look::marks(Colour::Series(place), SYMBOLS[place % SYMBOLS.len()]);
+            let points = figure.entry(format!("{}, values", model.id), look, true);
             panel.points(points, shown);
         }
-        panel.mark(order as f64 + 0.5, fill(texts.order, &[("order", order.to_string())]), Colour::Event, Dash::Dashed);
+        panel.mark(order as f64 + 0.5, format!("order {order}"), Colour::Event, Dash::Dashed);
         if let (Some(kept), Some(dropped)) = (order.checked_sub(1).and_then(|k| values.get(k)), values.get(order))
             && *dropped > 0.0
         {
@@ -46,7 +43,9 @@ pub fn figure(run: &Run) -> Option<Figure> {
     if panel.curves.is_empty() {
         return None;
     }
-    caption.push_str(texts.wide_gap);
+    caption.push_str(
+        " A wide gap supports the order before it; on a gentle slope the record does not determine the order.",
+    );
     figure.caption = caption;
     figure.panels.push(panel);
     Some(figure.tidy())

@@ -176,6 +176,16 @@ pub fn first_warnings<'a>(
     (first, others)
 }
 
+/// The warnings that a list leaves out.
+pub(crate) fn more_warnings(count: usize) -> String {
+    if count == 1 { "1 more warning".to_owned() } else { format!("{count} more warnings") }
+}
+
+/// A remedy as a sentence.
+pub(crate) fn what_to_do(remedy: &str) -> String {
+    format!("What to do: {remedy}.")
+}
+
 /// Whether a concern says why an identification method gave no model: such concerns have a list of their own.
 pub fn is_of_a_failed_method(concern: &Concern) -> bool {
     matches!(concern.about.parse(), Ok(About::Method(_)))

@@ -1,15 +1,13 @@
 //! The result of a run in a word and a few sentences, made by rules from its records.
 
 use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
-use crate::phrases::PHRASES;
-use crate::phrases::words::{self, fill};
-use crumple_artifact::records::{MetricV1, ModeV1, PredictedIntervalV1, PredictionV1, StabilizationV1};
-use crumple_signal::key_quantities::{CRUSH, DELTA_V, KeyQuantity, OLC, PEAK, STIFFNESS, STROKE};
+use crate::words;
+use crumple_artifact::records::{EventsV1, MetricV1, ModeV1, PredictionV1, StabilizationV1};
+use crumple_signal::key_quantities::{CRUSH, DELTA_V, OLC, PEAK, STIFFNESS, STROKE};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
-use std::borrow::Cow;
 
-use crate::findings::conclusions::concerns::{Concern, concerns};
+use crate::findings::conclusions::concerns::{Concern, concerns, what_to_do};
 use crate::findings::conclusions::key_numbers::{bound_of_change, in_ms};
 use crate::findings::conclusions::kind::{Kind, ResultStatus, kind_of, lacks_mass_or_speed, not_stated, subject_of};
 use crate::findings::conclusions::several_tests::{missed, several_tests};
@@ -17,9 +15,25 @@ use crate::findings::conclusions::status::{
     Status, StatusReason, answer, beside, closest_identified, has_only_forces, interval_of_crush, status_reason,
 };
 use crate::findings::conclusions::uses::{Soundness, Use, good_for, soundness};
-use crate::findings::text::{DEFLECTION, deflection_of_knot, listed, symbols};
-use crate::findings::text::{as_sentence, candidate_name, model_name};
-use crate::findings::{CandidateResult, Ranking, Run};
+use crate::findings::results::ranking::none_recommended;
+use crate::findings::results::run::not_determined;
+use crate::findings::text::{DEFLECTION, as_sentence, deflection_of_knot, listed, symbols};
+use crate::findings::{CandidateResult, OneSpring, Ranking, Run};
+
+/// How a number is shown: factor to its unit, decimals, unit.
+type Shown = (f64, usize, &'static str);
+
+/// How counts are shown: factor, decimals, unit.
+const COUNT: (f64, usize, &str) = (1.0, 0, "");
+/// How whole percentages are shown.
+const PERCENT: (f64, usize, &str) = (1.0, 0, "%");
+/// How fits are shown.
+const FIT: (f64, usize, &str) = (1.0, 1, "%");
+
+/// Where there is no motion to speak of.
+const NO_MOTION: &str = "This report holds no motion of a vehicle.";
+/// Where the change of velocity is not known.
+const NO_STOP: &str = "The vehicle did not stop within the record.";
 
 /// A number of the sentences and where `summary.json` has it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -48,8 +62,6 @@ pub struct Conclusion {
     /// Whether there is what was asked for.
     #[serde(deserialize_with = "known")]
     pub standing: ResultStatus,
-    /// ISO 639-1 code of the language of the sentences: `en`.
-    pub language: Cow<'static, str>,
     /// Whether the results may be used; `None`: an early version did not say it.
     #[schemars(with = "Status")]
     pub status: Option<Status>,
@@ -88,14 +100,9 @@ pub struct Conclusion {
 impl Conclusion {
     /// How many numbers of the recommended model are determined, rough, open: `3 of 5 determined, 2 open`.
     pub(crate) fn certainty(&self) -> Option<String> {
-        let texts = &PHRASES.runs;
-        let counts = [("determined", self.determined?.to_string()), ("parameters", self.parameters?.to_string())];
-        let mut words = fill(texts.determined, &counts);
-        let others = [(self.order_of_magnitude, texts.order_of_magnitude), (self.open, texts.open)];
-        for (count, text) in others.into_iter().filter_map(|(count, text)| Some((count.filter(|n| *n > 0)?, text))) {
-            words.push_str(&fill(text, &[("count", count.to_string())]));
-        }
-        Some(words)
+        let (determined, parameters) = (self.determined?, self.parameters?);
+        let others = not_determined(self.order_of_magnitude.unwrap_or(0), self.open.unwrap_or(0));
+        Some(format!("{determined} of {parameters} determined{others}"))
     }
 }
 
@@ -117,7 +124,6 @@ pub fn conclusion(run: &Run, ranking: &Ranking) -> (Conclusion, Vec<Concern>) {
     let verdict = Conclusion {
         kind,
         standing,
-        language: "en".into(),
         status: Some(reason.status()),
         record: Some(soundness(run, kind, &concerns)),
         good_for: good_for(run, ranking, kind, &concerns),
@@ -154,91 +160,95 @@ impl<'a> Text<'a> {
     /// `the crush at 40 km/h is predicted to ±16 %`.
     fn because(&mut self, reason: &StatusReason) -> String {
         use StatusReason as Reason;
-        let phrases = &PHRASES.conclusion;
-        let (percent, mm) = ((1.0, 0, "%"), CRUSH.shown());
-        let at = |name: &str| format!("/verdict/status_reason/{name}");
+        const REASON: &str = "/verdict/status_reason";
+        let at = |name: &str| format!("{REASON}/{name}");
         match reason {
-            Reason::GoodTo { good_to_percent, prediction, .. } | Reason::Beyond { good_to_percent, prediction, .. } => {
-                let good_to = self.number(&at("good_to_percent"), *good_to_percent, percent);
+            Reason::GoodTo { good_to_percent, prediction, .. } => {
+                let good_to = self.number(&at("good_to_percent"), *good_to_percent, PERCENT);
+                format!("the crush {} is predicted to ±{good_to}", self.scenario(*prediction))
+            }
+            Reason::Beyond { good_to_percent, prediction, .. } => {
+                let good_to = self.number(&at("good_to_percent"), *good_to_percent, PERCENT);
                 let scenario = self.scenario(*prediction);
-                let is_beyond = matches!(reason, Reason::Beyond { .. });
-                let template = if is_beyond { phrases.because_beyond } else { phrases.because_good_to };
-                fill(template, &[("good_to", &good_to), ("scenario", &scenario)])
+                format!("{scenario}, beyond the test, the crush is predicted to ±{good_to}")
             }
             Reason::SensorsDiffer { sensors, low_m, high_m, half_width_m, .. } => {
-                let (factor, places, _) = mm;
-                let texts = [
-                    ("low", self.number(&at("low_m"), *low_m, (factor, places, ""))),
-                    ("high", self.number(&at("high_m"), *high_m, mm)),
-                    ("half_width", self.number(&at("half_width_m"), *half_width_m, mm)),
-                    ("count", self.number(&at("sensors"), *sensors as f64, (1.0, 0, ""))),
-                ];
-                fill(phrases.because_sensors, &texts)
+                let (factor, places, _) = CRUSH.shown();
+                let low = self.number(&at("low_m"), *low_m, (factor, places, ""));
+                let high = self.number(&at("high_m"), *high_m, CRUSH.shown());
+                let half_width = self.number(&at("half_width_m"), *half_width_m, CRUSH.shown());
+                let count = self.number(&at("sensors"), *sensors as f64, COUNT);
+                format!(
+                    "{count} sensors of the compartment read {low} to {high} of crush; a single one is good to \
+                     ±{half_width}"
+                )
             }
             Reason::FewDetermined { determined, parameters, are_forces } => {
-                let template = if *are_forces { phrases.because_few_forces } else { phrases.because_few_parameters };
-                let texts = [
-                    ("determined", self.number(&at("determined"), *determined as f64, (1.0, 0, ""))),
-                    ("parameters", self.number(&at("parameters"), *parameters as f64, (1.0, 0, ""))),
-                    ("are", words::verb(*determined).to_owned()),
-                ];
-                fill(template, &texts)
+                self.few_determined(REASON, [*determined, *parameters], *are_forces)
             }
             Reason::DecisiveWarning { number, about } => {
-                let number = self.number(&at("number"), *number as f64, (1.0, 0, ""));
-                fill(phrases.because_decisive, &[("subject", subject_of(about)), ("number", &number)])
+                let number = self.number(&at("number"), *number as f64, COUNT);
+                format!("{} is in doubt, see warning {number}", subject_of(about))
             }
             Reason::Check { number, about } => {
-                let number = self.number(&at("number"), *number as f64, (1.0, 0, ""));
-                fill(phrases.because_check, &[("subject", subject_of(about)), ("number", &number)])
+                let number = self.number(&at("number"), *number as f64, COUNT);
+                format!("check {}, see warning {number}", subject_of(about))
             }
             Reason::PoorFit { fit_percent, limit_percent } => {
-                let texts = [
-                    ("fit", self.number(&at("fit_percent"), *fit_percent, (1.0, 1, "%"))),
-                    ("limit", self.number(&at("limit_percent"), *limit_percent, percent)),
-                ];
-                fill(phrases.because_poor_fit, &texts)
+                let fit = self.number(&at("fit_percent"), *fit_percent, FIT);
+                let limit = self.number(&at("limit_percent"), *limit_percent, PERCENT);
+                format!("the fit of the best model is {fit}, below {limit}")
             }
             Reason::MissesItsTest { events } => {
                 let names: Vec<String> = events.iter().map(|name| words::metric(name)).collect();
-                fill(phrases.because_misses_its_test, &[("events", listed(&names, phrases.and))])
+                format!("use its crush only: the model misses the {} of its own test", listed(&names))
             }
-            Reason::Weak { candidate } => fill(phrases.because_weak, &[("model", candidate_name(candidate))]),
-            Reason::Contrary { candidate } => fill(phrases.because_contrary, &[("model", candidate_name(candidate))]),
-            Reason::OtherAxis { axis } => fill(phrases.because_other_axis, &[("axis", axis)]),
-            Reason::Unassessed => phrases.because_unassessed.to_owned(),
-            Reason::Dual => phrases.because_dual.to_owned(),
-            Reason::NoInterval => phrases.because_no_interval.to_owned(),
-            Reason::TestsDisagree => phrases.because_tests_disagree.to_owned(),
-            Reason::NoStop => phrases.because_no_stop.to_owned(),
-            Reason::TwoVehicles => phrases.because_two_vehicles.to_owned(),
-            Reason::Occupant => phrases.because_occupant.to_owned(),
-            Reason::Recorder => phrases.because_recorder.to_owned(),
-            Reason::Identified => phrases.because_identified.to_owned(),
-            Reason::NoMass => phrases.because_no_mass.to_owned(),
-            Reason::NoSpeed => phrases.because_no_speed.to_owned(),
-            Reason::NoMassNorSpeed => phrases.because_no_mass_nor_speed.to_owned(),
-            Reason::MeasuredOnly => phrases.because_measured_only.to_owned(),
-            Reason::NoneRecommended => phrases.because_none_recommended.to_owned(),
-            Reason::NoResult => phrases.because_no_result.to_owned(),
-            Reason::NotAdequate => phrases.because_not_adequate.to_owned(),
-            Reason::NoneAdequate => phrases.because_none_adequate.to_owned(),
+            Reason::Weak { candidate } => {
+                format!("the evidence is weak: {} fits nearly as well", self.run.name_of(candidate))
+            }
+            Reason::Contrary { candidate } => {
+                let model = self.run.name_of(candidate);
+                format!("chosen for its crush at lower speeds: {model} follows the pulse closer")
+            }
+            Reason::OtherAxis { axis } => {
+                format!("use its delta-v: the pulse is along {axis}, the models are of a crush along x")
+            }
+            Reason::Unassessed => "the parameters of the model have no intervals".into(),
+            Reason::Dual => "use its crush, not its mass split: one sensor cannot identify the split".into(),
+            Reason::NoInterval => "the crush at other speeds has no interval".into(),
+            Reason::TestsDisagree => "the tests disagree".into(),
+            Reason::NoStop => "use its delta-v: the vehicle did not stop within the record".into(),
+            Reason::TwoVehicles => "use its delta-v: its motion over ground is not its crush".into(),
+            Reason::Occupant => "use the criteria of the occupant, nothing for the vehicle".into(),
+            Reason::Recorder => "use its delta-v, not its forces: the table is coarse".into(),
+            Reason::Identified => "for the amplitudes and frequencies that this record excited".into(),
+            Reason::NoMass => "no mass is stated: use the motion".into(),
+            Reason::NoSpeed => "no impact speed is stated: use delta-v and pulse".into(),
+            Reason::NoMassNorSpeed => "neither mass nor impact speed is stated: use delta-v and pulse".into(),
+            Reason::MeasuredOnly => "use what was measured: no model was fitted".into(),
+            Reason::NoneRecommended => "use what was measured: no model is for other speeds".into(),
+            Reason::NoResult => "there is no acceptable result".into(),
+            Reason::NotAdequate => "no model is adequate".into(),
+            Reason::NoneAdequate => "use what was measured: no model is adequate".into(),
         }
+    }
+
+    /// How many of the parameters of a model are determined, with the numbers at `at`.
+    fn few_determined(&mut self, at: &str, [determined, parameters]: [usize; 2], are_forces: bool) -> String {
+        let of = self.number(&format!("{at}/determined"), determined as f64, COUNT);
+        let all = self.number(&format!("{at}/parameters"), parameters as f64, COUNT);
+        let (what, are) = (if are_forces { "forces" } else { "parameters" }, words::verb(determined));
+        format!("use its crush, not its {what}: {of} of {all} {are} well known")
     }
 
     /// `at 40 km/h with 2000 kg against mpdb`: the mass where it is not that of the test.
     fn scenario(&mut self, place: usize) -> String {
-        let phrases = &PHRASES.conclusion;
         let Some(prediction) = self.run.predictions.get(place) else { return String::new() };
         let PredictionV1 { impact_speed_m_per_s, mass_kg, partner, .. } = prediction;
         let speed = self.speed(&format!("/predictions/{place}/impact_speed_m_per_s"), *impact_speed_m_per_s);
-        let mass = (!self.run.is_of_own_mass(prediction)).then(|| {
-            let mass = self.number(&format!("/predictions/{place}/mass_kg"), *mass_kg, (1.0, 0, "kg"));
-            fill(phrases.with_mass, &[("mass", mass)])
-        });
-        let partner = partner.as_ref().map(|partner| fill(phrases.against_partner, &[("partner", partner)]));
-        let texts = [("speed", speed), ("mass", mass.unwrap_or_default()), ("partner", partner.unwrap_or_default())];
-        fill(phrases.scenario, &texts)
+        let mass = (!self.run.is_of_own_mass(prediction))
+            .then(|| self.number(&format!("/predictions/{place}/mass_kg"), *mass_kg, (1.0, 0, "kg")));
+        format!("at {speed}{}", with_mass_against(mass, partner.as_deref()))
     }
 
     /// A speed in km/h, with a decimal where it has one.
@@ -249,18 +259,18 @@ impl<'a> Text<'a> {
     }
 
     fn sentences(&mut self, kind: Kind, reason: &StatusReason, concerns: &[Concern]) -> Vec<String> {
-        let phrases = &PHRASES.conclusion;
         match kind {
             Kind::NoModel => {
                 let diagnosis = concerns.iter().find(|concern| concern.is_no_result());
                 let reason = diagnosis.map_or("", |concern| concern.text.as_str());
-                let remedy = diagnosis.and_then(|concern| concern.remedy.as_deref()).unwrap_or(phrases.read_the_notes);
-                vec![fill(phrases.no_model, &[("reason", reason)]), fill(phrases.what_to_do, &[("remedy", remedy)])]
+                let remedy = diagnosis.and_then(|concern| concern.remedy.as_deref());
+                let remedy = remedy.unwrap_or("the notes of the run say more, and its folder");
+                vec![format!("There is no model: {reason}."), what_to_do(remedy)]
             }
             Kind::InputOutput => {
                 let is_bad = reason.status() == Status::DoNotUse && closest_identified(self.run).is_some();
-                let no_use = is_bad.then(|| phrases.identified_no_use.to_owned());
-                std::iter::once(self.identified()).chain(no_use).collect()
+                let no_use = "Do not use it: its modes are not known to be those of what was measured.";
+                std::iter::once(self.identified()).chain(is_bad.then(|| no_use.to_owned())).collect()
             }
             Kind::Occupant => vec![self.occupant(), self.occupant_use(concerns)],
             Kind::Recorder => {
@@ -274,7 +284,7 @@ impl<'a> Text<'a> {
                     Kind::NoStop => self.no_stop(),
                     Kind::TwoVehicles => self.two_vehicles(),
                     Kind::SeveralTests => self.run.joint.as_ref().map_or_else(String::new, several_tests),
-                    _ => self.changed().unwrap_or_else(|| phrases.measured_only.to_owned()),
+                    _ => self.changed().unwrap_or_else(|| NO_MOTION.to_owned()),
                 };
                 let mut sentences = vec![happened];
                 sentences.extend(self.what_to_use(kind, reason));
@@ -287,26 +297,33 @@ impl<'a> Text<'a> {
         self.run.candidate(self.ranking.best.as_deref()?)
     }
 
-    /// ` (739.8 to 759.1)`.
-    pub(super) fn interval(
-        &mut self,
-        at: &str,
-        low: f64,
-        high: f64,
-        (factor, places, _): (f64, usize, &str),
-    ) -> String {
-        let low = self.number(&format!("{at}/low"), low, (factor, places, ""));
-        let high = self.number(&format!("{at}/high"), high, (factor, places, ""));
-        fill(PHRASES.conclusion.interval, &[("low", low), ("high", high)])
+    /// A number of the summary with the digits that its interval supports.
+    pub(super) fn rounded(&mut self, at: &str, value: f64, ends: Option<(f64, f64)>, shown: Shown) -> String {
+        let text = words::rounded(value, ends, shown);
+        self.numbers.push(Number { at: at.to_owned(), value, shown: text.clone() });
+        text
+    }
+
+    /// ` (740 to 759)`.
+    pub(super) fn interval(&mut self, at: &str, (low, high): (f64, f64), (factor, places, _): Shown) -> String {
+        let [low, high] = [("low", low), ("high", high)]
+            .map(|(end, value)| self.rounded(&format!("{at}/{end}"), value, Some((low, high)), (factor, places, "")));
+        format!(" ({})", words::between(&low, &high))
+    }
+
+    /// The interval of an event.
+    fn ends_of_event(&self, field: &str) -> Option<(f64, f64)> {
+        let interval = self.run.events.as_ref()?.intervals.iter().find(|interval| interval.name == field)?;
+        Some((interval.low, interval.high))
     }
 
     fn crushed(&mut self) -> String {
-        let phrases = &PHRASES.conclusion;
         let Some(events) = &self.run.events else { return String::new() };
         let Some((crush_m, time_s)) = events.dynamic_crush_m.zip(events.time_of_dynamic_crush_s) else {
-            return phrases.measured_only.to_owned();
+            return NO_MOTION.to_owned();
         };
-        let crush = self.number("/events/dynamic_crush_m", crush_m, CRUSH.shown());
+        let ends = self.ends_of_event("dynamic_crush_m");
+        let crush = self.rounded("/events/dynamic_crush_m", crush_m, ends, CRUSH.shown());
         let time = self.number("/events/time_of_dynamic_crush_s", time_s, in_ms(time_s));
         let rebound = match (events.coefficient_of_restitution, events.rebound_velocity_m_per_s) {
             (Some(e), Some(velocity_m_per_s)) if e > 0.0 => {
@@ -314,19 +331,20 @@ impl<'a> Text<'a> {
                 let shown = words::quantity(km_per_h, usize::from(km_per_h < 3.0), "km/h");
                 let at = "/events/rebound_velocity_m_per_s".to_owned();
                 self.numbers.push(Number { at, value: velocity_m_per_s, shown: shown.clone() });
-                let is_cut = self.run.is_rebound_cut();
-                fill(if is_cut { phrases.rebounded_at_least } else { phrases.rebounded }, &[("speed", shown)])
+                let or_more = if self.run.is_rebound_cut() { " or more" } else { "" };
+                format!("; the vehicle rebounded at {shown}{or_more}")
             }
-            (Some(e), _) if e <= 0.0 => phrases.no_rebound.to_owned(),
+            (Some(e), _) if e <= 0.0 => "; the vehicle did not rebound".to_owned(),
             _ => String::new(),
         };
-        fill(phrases.crushed, &[("crush", crush), ("time", time), ("rebound", rebound)])
+        format!("The dynamic crush was {crush} at {time}{rebound}.")
     }
 
     /// The change of velocity and its time.
     fn change_of_velocity(&mut self) -> Option<(String, Option<String>)> {
         let events = self.run.events.as_ref()?;
-        let change = self.number("/events/delta_v_m_per_s", events.delta_v_m_per_s?, DELTA_V.shown());
+        let ends = self.ends_of_event("delta_v_m_per_s");
+        let change = self.rounded("/events/delta_v_m_per_s", events.delta_v_m_per_s?, ends, DELTA_V.shown());
         let times = [
             ("/events/time_of_delta_v_s", events.time_of_delta_v_s),
             ("/events/time_of_rebound_s", events.time_of_rebound_s),
@@ -336,64 +354,62 @@ impl<'a> Text<'a> {
     }
 
     fn no_stop(&mut self) -> String {
-        let phrases = &PHRASES.conclusion;
-        match self.change_of_velocity() {
-            Some((change, Some(time))) => {
-                let end_s = self.run.events.as_ref().and_then(|events| events.end_of_event_s);
-                let another = end_s.is_some_and(|end_s| self.run.impacts.iter().any(|i| i.start_s >= end_s));
-                let phrase = if another { phrases.no_stop_in_impact } else { phrases.no_stop };
-                fill(phrase, &[("bound", bound_of_change(self.run)), ("change", &change), ("time", &time)])
-            }
-            _ => phrases.no_stop_no_end.to_owned(),
+        let Some((change, Some(time))) = self.change_of_velocity() else { return NO_STOP.to_owned() };
+        let end_s = self.run.events.as_ref().and_then(|events| events.end_of_event_s);
+        let another = end_s.is_some_and(|end_s| self.run.impacts.iter().any(|i| i.start_s >= end_s));
+        if another {
+            return format!(
+                "The vehicle did not stop in this impact: it lost {change} in {time}, and another impact followed."
+            );
         }
+        let bound = bound_of_change(self.run);
+        format!("The vehicle did not stop within the record: it lost {bound}{change} in {time}.")
     }
 
     fn two_vehicles(&mut self) -> String {
-        let phrases = &PHRASES.conclusion;
         match self.change_of_velocity() {
             Some((change, time)) => {
-                let time = time.map_or_else(String::new, |time| fill(phrases.within, &[("time", time)]));
-                fill(phrases.two_vehicles, &[("change", &change), ("time", &time)])
+                let time = time.map_or_else(String::new, |time| format!(" within {time}"));
+                format!("Two vehicles collided: this one lost {change}{time}.")
             }
-            None => self.changed().unwrap_or_else(|| phrases.no_stop_no_end.to_owned()),
+            None => self.changed().unwrap_or_else(|| NO_STOP.to_owned()),
         }
     }
 
     /// The change of velocity, the peak, the OLC and the stroke of a pulse without a crush; `None` without a change.
     fn changed(&mut self) -> Option<String> {
-        let phrases = &PHRASES.conclusion;
         let metric = |name: &str| self.run.metric(name).and_then(|metric: &MetricV1| Some((metric, metric.value?)));
         let delta_v = metric(DELTA_V.key)?;
-        let change = self.number("/metrics/delta_v/value", delta_v.1, DELTA_V.shown());
+        let ends = delta_v.0.low.zip(delta_v.0.high);
+        let change = self.rounded("/metrics/delta_v/value", delta_v.1, ends, DELTA_V.shown());
         let time = delta_v.0.to_s.map_or_else(String::new, |time_s| {
             let time = self.number("/metrics/delta_v/to_s", time_s, in_ms(time_s));
-            fill(phrases.within, &[("time", time)])
+            format!(" within {time}")
         });
-        let [peak, olc, stroke] =
-            [(PEAK, phrases.and_peak, "peak"), (OLC, phrases.and_olc, "olc"), (STROKE, phrases.and_stroke, "stroke")]
-                .map(|(KeyQuantity { key, factor, decimals, unit, .. }, phrase, name)| {
-                    let Some((_, value)) = metric(key) else { return (name, String::new()) };
-                    let at = format!("/metrics/{key}/value");
-                    (name, fill(phrase, &[(name, self.number(&at, value, (factor, decimals, unit)))]))
-                });
-        let bound = ("bound", bound_of_change(self.run).to_owned());
-        Some(fill(phrases.changed, &[bound, ("change", change), ("time", time), peak, olc, stroke]))
+        let [peak, olc, stroke] = [(PEAK, "a peak"), (OLC, "an OLC"), (STROKE, "a stroke")].map(|(quantity, words)| {
+            let Some((metric, value)) = metric(quantity.key) else { return String::new() };
+            let (at, ends) = (format!("/metrics/{}/value", quantity.key), metric.low.zip(metric.high));
+            format!(", {words} of {}", self.rounded(&at, value, ends, quantity.shown()))
+        });
+        let bound = bound_of_change(self.run);
+        Some(format!("The record gives a delta-v of {bound}{change}{time}{peak}{olc}{stroke}."))
     }
 
     /// The recommended identified model, else the one that follows the record closest.
     fn identified(&mut self) -> String {
-        let phrases = &PHRASES.conclusion;
         if let Some(ambient) = self.run.ambient() {
             return self.ambient(ambient);
         }
-        let Some((k, model, fit)) = closest_identified(self.run) else { return phrases.identified_none.to_owned() };
-        let fit = self.number(&format!("/models/{k}/fit_percent"), fit, (1.0, 1, "%"));
+        let Some((k, model, fit)) = closest_identified(self.run) else {
+            return "No identified model has a fit.".to_owned();
+        };
+        let (id, fit) = (&model.id, self.number(&format!("/models/{k}/fit_percent"), fit, FIT));
         let unseen = model.unseen_fit_percent().map_or_else(String::new, |unseen| {
-            let unseen = self.number(&format!("/models/{k}/unseen_fit_percent"), unseen, (1.0, 1, "%"));
-            fill(phrases.unseen, &[("fit", &unseen)])
+            let unseen = self.number(&format!("/models/{k}/unseen_fit_percent"), unseen, FIT);
+            format!(" (unseen samples: {unseen})")
         });
         if !model.holds() {
-            return fill(phrases.identified_fails, &[("model", &model.id), ("fit", &fit), ("unseen", &unseen)]);
+            return format!("No identified model holds: the best, {id}, has a fit of {fit}{unseen}.");
         }
         // What grows is unstable, and no mode of what was measured.
         let decays = |mode: &ModeV1| mode.im_rad_per_s > 0.0 && mode.re_per_s < 0.0;
@@ -406,27 +422,27 @@ impl<'a> Text<'a> {
             let w = self.number(&format!("{at}/natural_frequency_rad_per_s"), mode.natural_frequency_rad_per_s, hz);
             let damping = mode.damping_ratio.map_or_else(String::new, |ratio| {
                 let ratio = self.number(&format!("{at}/damping_ratio"), ratio, (1.0, 3, ""));
-                fill(phrases.damping, &[("ratio", &ratio)])
+                format!(", damping ratio {ratio}")
             });
-            fill(phrases.mode, &[("frequency", &w), ("damping", &damping)])
+            format!("; its slowest mode is at {w}{damping}")
         });
-        let text = if self.run.is_recommended(&model.id) { phrases.identified_chosen } else { phrases.identified };
-        fill(text, &[("model", &model.id), ("fit", &fit), ("unseen", &unseen), ("mode", &mode)])
+        let which = if self.run.is_recommended(id) { "recommended" } else { "closest" };
+        format!("The {which} identified model, {id}, has a fit of {fit}{unseen}{mode}.")
     }
 
     /// The modes of an ambient record, the slowest first.
     fn ambient(&mut self, diagram: &StabilizationV1) -> String {
-        let phrases = &PHRASES.conclusion;
         let mut all: Vec<f64> = diagram.clusters.iter().map(|c| c.natural_frequency_rad_per_s).collect();
         all.sort_by(f64::total_cmp);
         let shown: Vec<String> = all.iter().map(|w| words::quantity(w / std::f64::consts::TAU, 2, "Hz")).collect();
-        let modes = if shown.is_empty() { phrases.no_mode.to_owned() } else { shown.join(", ") };
-        fill(phrases.ambient, &[("modes", modes)])
+        let modes = if shown.is_empty() { "none".to_owned() } else { shown.join(", ") };
+        format!(
+            "Nobody measured what drove this record. Modes that stay over model orders and in both halves: {modes}."
+        )
     }
 
     /// Which model to use, what it gives and what it does not; that none is recommended, and why.
     fn what_to_use(&mut self, kind: Kind, reason: &StatusReason) -> Vec<String> {
-        let phrases = &PHRASES.conclusion;
         use StatusReason::{Beyond, DecisiveWarning, GoodTo};
         let is_of_the_answer = matches!(reason, DecisiveWarning { .. } | GoodTo { .. } | Beyond { .. });
         if is_of_the_answer && reason.status() == Status::DoNotUse {
@@ -439,14 +455,14 @@ impl<'a> Text<'a> {
             sentences.push(self.use_model(best));
             sentences.extend(self.caution(best, reason));
         } else if !self.run.candidates.is_empty() {
-            sentences.push(self.none_recommended());
+            sentences.push(none_recommended(&self.why_none()));
             sentences.extend(self.closest());
         } else if is_lacking && !self.run.models.is_empty() {
             sentences.push(self.identified());
         } else if !self.run.test.has_structure() {
-            sentences.push(phrases.no_structure.to_owned());
+            sentences.push("What was tested has no structure, so there is no model of it for other speeds.".to_owned());
         } else if !is_lacking {
-            sentences.push(phrases.no_models_here.to_owned());
+            sentences.push("It holds no models: their stages did not run.".to_owned());
         }
         if is_lacking && self.run.candidates.is_empty() {
             sentences.push(not_stated(self.run).to_owned());
@@ -457,24 +473,21 @@ impl<'a> Text<'a> {
     /// One stiffness for a curve on one mass: that of the spring with the energy and the crush of the test.
     fn one_spring(&mut self, best: &CandidateResult) -> Option<String> {
         let is_curve = best.record.parameters.keys().any(|name| name.starts_with("knot"));
-        let metric = self.run.metric("average_stiffness")?;
-        let value = metric.value.filter(|_| is_curve && best.record.parameters.contains_key("mass_kg"))?;
-        let at = "/metrics/average_stiffness";
-        let mut stiffness = self.number(&format!("{at}/value"), value, STIFFNESS.shown());
-        if let Some((low, high)) = metric.low.zip(metric.high) {
-            stiffness.push_str(&self.interval(at, low, high, STIFFNESS.shown()));
-        }
-        Some(fill(PHRASES.conclusion.one_spring, &[("stiffness", stiffness)]))
+        let is_of_one_mass = best.record.parameters.contains_key("mass_kg");
+        let spring = self.run.one_spring().filter(|_| is_curve && is_of_one_mass)?;
+        let at = format!("/metrics/{}", OneSpring::METRIC);
+        let mut stiffness = self.rounded(&format!("{at}/value"), spring.n_per_m, spring.ends, STIFFNESS.shown());
+        stiffness.extend(spring.ends.map(|ends| self.interval(&at, ends, STIFFNESS.shown())));
+        Some(format!("One spring of {stiffness} has the same energy and crush."))
     }
 
     /// The recommended model and what it gives for the impact that was asked for.
     fn use_model(&mut self, best: &CandidateResult) -> String {
-        let phrases = &PHRASES.conclusion;
-        let predicts = self.given(best).map(|(prediction, texts)| {
-            fill(if prediction.extrapolates { phrases.predicts_beyond } else { phrases.predicts }, &texts)
+        let predicts = self.given(best).map(|(prediction, [scenario, crush, interval])| {
+            let beyond = if prediction.extrapolates { ", beyond the test," } else { "" };
+            format!(": {scenario}{beyond} it gives {crush}{interval}")
         });
-        let texts = [("model", self.named(best)), ("predicts", predicts.unwrap_or_default())];
-        fill(phrases.use_model, &texts)
+        format!("For other speeds use {}{}.", best.in_a_sentence(), predicts.unwrap_or_default())
     }
 
     /// What the recommended model gives for an impact that a person asked for, whatever speaks against its use.
@@ -482,29 +495,19 @@ impl<'a> Text<'a> {
         let best = self.best()?;
         answer(self.run, best).filter(|(_, prediction)| prediction.asked)?;
         let (_, [scenario, crush, interval]) = self.given(best)?;
-        let texts = [scenario, ("model", self.named(best)), crush, interval];
-        Some(fill(PHRASES.conclusion.asked_for, &texts))
-    }
-
-    fn named(&self, candidate: &CandidateResult) -> String {
-        let phrases = &PHRASES.conclusion;
-        match candidate.record.model.as_str() {
-            "force-deflection" => phrases.force_deflection_curve.to_owned(),
-            other => fill(phrases.named_model, &[("model", model_name(other))]),
-        }
+        Some(format!("Asked for: {scenario} {} gives {crush}{interval}.", best.in_a_sentence()))
     }
 
     /// The prediction that answers, and its impact, crush and interval in words.
-    fn given(&mut self, best: &CandidateResult) -> Option<(&'a PredictionV1, [(&'static str, String); 3])> {
+    fn given(&mut self, best: &CandidateResult) -> Option<(&'a PredictionV1, [String; 3])> {
         let (place, prediction) = answer(self.run, best)?;
         let crush_m = prediction.dynamic_crush_m?;
         let (at, scenario) = (format!("/predictions/{place}"), self.scenario(place));
-        let crush = self.number(&format!("{at}/dynamic_crush_m"), crush_m, CRUSH.shown());
-        let interval = interval_of_crush(prediction).map(|(j, &PredictedIntervalV1 { low, high, .. })| {
-            self.interval(&format!("{at}/intervals/{j}"), low, high, CRUSH.shown())
-        });
-        let texts = [("scenario", scenario), ("crush", crush), ("interval", interval.unwrap_or_default())];
-        Some((prediction, texts))
+        let known = interval_of_crush(prediction).map(|(j, interval)| (j, (interval.low, interval.high)));
+        let ends = known.map(|(_, ends)| ends);
+        let crush = self.rounded(&format!("{at}/dynamic_crush_m"), crush_m, ends, CRUSH.shown());
+        let interval = known.map(|(j, ends)| self.interval(&format!("{at}/intervals/{j}"), ends, CRUSH.shown()));
+        Some((prediction, [scenario, crush, interval.unwrap_or_default()]))
     }
 
     /// How closely a candidate follows the displacement.
@@ -513,23 +516,30 @@ impl<'a> Text<'a> {
         let simulation = candidate.simulation.as_ref()?;
         let key = if simulation.fit_as_measured_percent.is_some() { "fit_as_measured_percent" } else { "fit_percent" };
         let at = format!("/candidates/{place}/simulation/{key}");
-        Some(self.number(&at, candidate.fit_percent()?, (1.0, 1, "%")))
+        Some(self.number(&at, candidate.fit_percent()?, FIT))
     }
 
     /// The one thing that the model does not give, before all others; what the status says is not said again.
     fn caution(&mut self, best: &CandidateResult, reason: &StatusReason) -> Option<String> {
-        let phrases = &PHRASES.conclusion;
         if let Some(tests) = self.run.joint.as_ref().and_then(missed) {
-            return Some(fill(PHRASES.joint.tests_disagree, &[("tests", tests)]));
+            return Some(format!(
+                "Predicted from the others, the crush of {tests} is off: quote predictions with that error."
+            ));
         }
-        if let Some(open) = self.with_names(best, phrases.open_numbers, &best.record.undetermined()) {
+        if let Some(open) = self.open_parameters(best) {
             return Some(open);
         }
         if best.record.equivalent_to.is_some() && *reason != StatusReason::Dual {
-            return Some(phrases.dual.to_owned());
+            let dual =
+                "The mass split cannot be identified from one sensor: a mirrored (dual) model fits equally well.";
+            return Some(dual.to_owned());
         }
         let is_said = matches!(reason, StatusReason::FewDetermined { .. });
-        let few = if is_said { None } else { self.few_determined(best) };
+        let known = best.certainties();
+        let few = (!is_said && known.determined < known.parameters).then(|| {
+            let counts = [known.determined, known.parameters];
+            as_sentence(&self.few_determined("/verdict", counts, has_only_forces(best)))
+        });
         let other = beside(self.run).filter(|other| other != reason);
         let other = other.map(|other| as_sentence(&self.because(&other)));
         few.or(other).or_else(|| {
@@ -539,44 +549,29 @@ impl<'a> Text<'a> {
                 None => self.number("/events/dynamic_crush_m", tested_m, shown),
                 Some(_) => words::quantity(MILLI * tested_m, shown.1, shown.2),
             };
-            Some(fill(phrases.extrapolates, &[("crush", crush)]))
+            Some(format!("Beyond {crush}, the crush of the test, it extrapolates."))
         })
     }
 
-    /// Says how many of the numbers of a model are determined, if not all.
-    fn few_determined(&mut self, best: &CandidateResult) -> Option<String> {
-        let known = best.certainties();
-        let phrases = &PHRASES.conclusion;
-        let template = if has_only_forces(best) { phrases.few_forces } else { phrases.few_parameters };
-        let mut count = |name: &str, count: usize| {
-            (name.to_owned(), self.number(&format!("/verdict/{name}"), count as f64, (1.0, 0, "")))
-        };
-        (known.determined < known.parameters).then(|| {
-            let are = ("are".to_owned(), words::verb(known.determined).to_owned());
-            let texts = [count("determined", known.determined), count("parameters", known.parameters), are];
-            fill(template, &texts.each_ref().map(|(name, text)| (name.as_str(), text)))
-        })
-    }
-
-    /// A template with the names of some parameters in it, and the numbers in these names taken; nothing without any.
-    fn with_names(&mut self, candidate: &CandidateResult, template: &str, names: &[&str]) -> Option<String> {
+    /// The parameters that the record does not determine, with the numbers in their names; nothing without any.
+    fn open_parameters(&mut self, candidate: &CandidateResult) -> Option<String> {
+        let names = candidate.record.undetermined();
         let place = self.run.candidates.iter().position(|other| other.id == candidate.id)?;
         for (name, deflection_m) in names.iter().filter_map(|name| deflection_of_knot(&candidate.record, name)) {
             self.number(&format!("/candidates/{place}/parameters/{name}"), deflection_m, DEFLECTION);
         }
-        (!names.is_empty()).then(|| fill(template, &[("names", &symbols(&candidate.record, names))]))
+        (!names.is_empty())
+            .then(|| format!("Not identifiable from this record: {}.", symbols(&candidate.record, &names)))
     }
 
-    fn none_recommended(&mut self) -> String {
-        let (phrases, run) = (&PHRASES.conclusion, self.run);
-        let no_crush =
-            run.events.as_ref().is_some_and(|events| events.dynamic_crush_m.is_none_or(|crush| crush <= 0.0));
-        let because = match run.other_axis() {
-            Some(axis) => fill(phrases.other_axis, &[("axis", &axis.to_string())]),
-            None if no_crush => phrases.no_crush.to_owned(),
+    /// Why no model is recommended.
+    fn why_none(&self) -> String {
+        let has_no_crush = |events: &EventsV1| events.dynamic_crush_m.is_none_or(|crush| crush <= 0.0);
+        match self.run.other_axis() {
+            Some(axis) => format!("the pulse is along {axis}, and the models are of a crush along x"),
+            None if self.run.events.as_ref().is_some_and(has_no_crush) => "the vehicle was not seen to stop".to_owned(),
             None => self.ranking.because.clone(),
-        };
-        fill(phrases.none_recommended, &[("because", &because)])
+        }
     }
 
     /// The model closest to the record, and how close up to when.
@@ -587,7 +582,13 @@ impl<'a> Text<'a> {
         let to_s = run.candidates[place].simulation.as_ref()?.to_s;
         let fit = self.follows(&run.candidates[place])?;
         let time = self.number(&format!("/candidates/{place}/simulation/to_s"), to_s, in_ms(to_s));
-        let texts = [("model", candidate_name(id)), ("fit", fit), ("time", time)];
-        Some(fill(PHRASES.conclusion.closest, &texts))
+        Some(format!("The closest, {}, has a displacement fit of {fit} up to {time}.", run.name_of(id)))
     }
+}
+
+/// ` with 2000 kg against mpdb`: what of an impact is not as in the test.
+pub(crate) fn with_mass_against(mass: Option<String>, partner: Option<&str>) -> String {
+    let mass = mass.map(|mass| format!(" with {mass}"));
+    let partner = partner.map(|partner| format!(" against {partner}"));
+    mass.into_iter().chain(partner).collect()
 }

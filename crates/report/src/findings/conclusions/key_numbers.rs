@@ -3,8 +3,7 @@
 use std::borrow::Cow;
 
 use crate::drawing::numbers::MILLI;
-use crate::phrases::PHRASES;
-use crate::phrases::words;
+use crate::words;
 use crumple_artifact::records::{EventIntervalV1, EventsV1, IntervalSourceV1, MetricV1};
 use crumple_signal::key_quantities::{
     CLIP_3MS, CRUSH, DELTA_V, DIRECTION_OF_FORCE, HIC15, HIC36, KeyQuantity, MAXIMUM_DELTA_V, MAXIMUM_LATERAL_DELTA_V,
@@ -103,8 +102,8 @@ impl KeyNumber {
     /// The same in words.
     pub fn bound(&self) -> &'static str {
         match self.sign() {
-            AT_LEAST => PHRASES.conclusion.at_least,
-            AT_MOST => PHRASES.conclusion.at_most,
+            AT_LEAST => "at least ",
+            AT_MOST => "at most ",
             _ => "",
         }
     }
@@ -114,16 +113,15 @@ impl KeyNumber {
         KeyQuantity::of(&self.name).unwrap_or(&UNKNOWN)
     }
 
-    /// Its value with the unit of people.
-    pub fn shown(&self, value: f64) -> String {
-        let (factor, decimals, unit) = self.quantity().shown();
-        words::quantity(factor * value, decimals, unit)
+    /// Its interval, SI.
+    pub fn interval(&self) -> Option<(f64, f64)> {
+        self.low.zip(self.high)
     }
 
-    /// Two values of it, the unit behind the second.
+    /// Two values of it, rounded as its interval asks, the unit behind the second.
     pub fn range(&self, low: f64, high: f64) -> String {
-        let (factor, decimals, _) = self.quantity().shown();
-        words::between(&words::decimals(factor * low, decimals), &self.shown(high))
+        let shown = self.quantity().shown();
+        words::with_unit(words::ends((low, high), self.interval(), shown), shown.2)
     }
 
     /// The side from which the force of a direction came, by the part of the change of velocity along y, to the right
@@ -132,8 +130,7 @@ impl KeyNumber {
         let is_direction = self.name == DIRECTION_OF_FORCE.key;
         let degrees = self.value.filter(|_| is_direction)?;
         let lateral = run.metric("total_delta_v_lateral").and_then(|metric| metric.value)?;
-        let texts = &PHRASES.numbers;
-        let side = if lateral > 0.0 { texts.from_the_left } else { texts.from_the_right };
+        let side = if lateral > 0.0 { "from the left" } else { "from the right" };
         (STRAIGHT_DEG..=180.0 - STRAIGHT_DEG).contains(&degrees).then_some(side)
     }
 
@@ -216,7 +213,7 @@ fn with_value(run: &Run, quantity: &KeyQuantity) -> Option<KeyNumber> {
 
 fn why_no_event(run: &Run, name: &str) -> String {
     let stated = run.metric(name).filter(|metric| metric.value.is_none()).map(|metric| metric.definition.clone());
-    stated.unwrap_or_else(|| PHRASES.numbers.velocity_never_zero.to_owned())
+    stated.unwrap_or_else(|| "the velocity does not reach zero".to_owned())
 }
 
 /// What a pulse without a crush has: change of velocity, peak, OLC, stroke.
@@ -249,7 +246,7 @@ fn may_be_clipped(run: &Run, metric: &MetricV1) -> bool {
 
 /// Before a change of velocity, of which a record that ends too early shows a part.
 pub(crate) fn bound_of_change(run: &Run) -> &'static str {
-    if run.is_change_cut() { PHRASES.conclusion.at_least } else { "" }
+    if run.is_change_cut() { "at least " } else { "" }
 }
 
 /// Before a criterion that is a lower bound.
@@ -315,7 +312,6 @@ fn spread(run: &Run, name: &str, channel: &str) -> Option<Spread> {
 /// Largest deceleration of a filtered pulse, or of a channel without events its largest magnitude. `None`: no
 /// acceleration.
 fn peak(run: &Run) -> Option<KeyNumber> {
-    let texts = &PHRASES.numbers;
     let acceleration = run.acceleration()?;
     let channel = run.channel_id().unwrap_or_default().to_owned();
     let channels = vec![channel.clone()];
@@ -323,7 +319,7 @@ fn peak(run: &Run) -> Option<KeyNumber> {
         KeyNumber { name: PEAK.key.into(), unit: "m/s^2".into(), channel, channels, ..KeyNumber::default() };
     let unfiltered = run.measured.filtered.is_none() || run.filter.as_ref().is_some_and(|filter| filter.mode == "none");
     if unfiltered {
-        number.absent_because = Some(texts.peak_not_filtered.to_owned());
+        number.absent_because = Some("not filtered: the peak of a raw acceleration is mostly ringing".to_owned());
     } else if let Some(metric) = run.metric(PEAK.key).filter(|metric| metric.channel == number.channel) {
         let at_s = run.metric("time_of_peak_acceleration").and_then(|metric| metric.value);
         return Some(KeyNumber { at_s, ..of_metric(run, &PEAK, metric) });

@@ -1,6 +1,5 @@
 //! What kind of record a run is of: what its verdict speaks about.
 
-use crate::phrases::PHRASES;
 use crumple_signal::key_quantities::MAXIMUM_DELTA_V;
 use crumple_signal::{ANOTHER_VEHICLE, About, part_of};
 use schemars::JsonSchema;
@@ -85,25 +84,25 @@ pub fn lacks_mass_or_speed(run: &Run) -> bool {
 
 /// Which of mass and impact speed is not stated, and what there is not for want of it.
 pub fn not_stated(run: &Run) -> &'static str {
-    let phrases = &PHRASES.conclusion;
     match (run.test.mass_kg, run.test.impact_speed_m_per_s) {
-        (None, None) => phrases.not_stated_both,
-        (None, Some(_)) => phrases.not_stated_mass,
-        _ => phrases.not_stated_speed,
+        (None, None) => {
+            "Mass and impact speed are missing, so there is no crush and no force: add --mass and --impact-speed."
+        }
+        (None, Some(_)) => "The mass is missing, so there is no force and no stiffness: add --mass.",
+        _ => "The impact speed is missing, so there is no crush and no stiffness: add --impact-speed.",
     }
 }
 
 /// What a warning is about, as the status says it.
 pub fn subject_of(about: &str) -> &'static str {
-    let phrases = &PHRASES.conclusion;
     match about.parse() {
-        Ok(About::Pulse) => phrases.the_pulse,
-        Ok(About::Mass) => phrases.the_mass,
-        Ok(About::ImpactSpeed) => phrases.the_impact_speed,
-        Ok(About::Time) => phrases.the_time_axis,
-        Ok(About::Motion) => phrases.the_motion,
-        Ok(About::Model(_)) => phrases.the_model,
-        Ok(About::IdentifiedModels) => phrases.the_identified_models,
-        _ => phrases.the_record,
+        Ok(About::Pulse) => "the pulse",
+        Ok(About::Mass) => "the mass",
+        Ok(About::ImpactSpeed) => "the impact speed",
+        Ok(About::Time) => "the time axis",
+        Ok(About::Motion) => "the motion",
+        Ok(About::Model(_)) => "the model",
+        Ok(About::IdentifiedModels) => "every identified model",
+        _ => "the record",
     }
 }

@@ -1,27 +1,29 @@
 //! The numbers of a run in a few lines, as the console shows them below the verdict.
 
-use crate::phrases::PHRASES;
-use crate::phrases::words;
-use std::collections::BTreeMap;
+use crate::words;
 use std::path::Path;
 
-use crate::drawing::numbers::{MILLI, digits_of_interval};
-use crate::phrases::words::fill;
-use crumple_artifact::records::{Certainty, IntervalSourceV1};
+use crate::drawing::numbers::MILLI;
+use crumple_artifact::records::Certainty;
 use crumple_signal::About;
-use crumple_signal::key_quantities::{CRUSH, KeyQuantity, PEAK, STIFFNESS};
+use crumple_signal::key_quantities::{CRUSH, PEAK};
 use crumple_stage::{by_way, program};
 
-use crate::findings::conclusions::concerns::{Concern, decisive_warning, first_warnings, is_of_a_failed_method};
+use crate::findings::conclusions::concerns::{
+    Concern, decisive_warning, first_warnings, is_of_a_failed_method, more_warnings,
+};
 use crate::findings::conclusions::conclusion::Conclusion;
 use crate::findings::conclusions::kind::Kind;
 use crate::findings::conclusions::status::{Status, StatusReason};
-use crate::findings::text::candidate_name;
-use crate::findings::text::{parameter, parameter_order};
+use crate::findings::results::parameters::ShownParameter;
+use crate::findings::text::{capitalised, parameter_order};
 use crate::findings::{CandidateResult, Ranking, Run, Summary};
 
 /// Parameters of a curve of many knots are not listed beyond so many.
 const MOST_PARAMETERS: usize = 8;
+
+/// Before the first warning.
+const WARNINGS: &str = "warnings";
 
 /// One number or warning of the overview.
 pub struct OverviewLine {
@@ -39,7 +41,6 @@ pub struct OverviewLine {
 /// show more.
 pub fn overview(run: &Run, ranking: &Ranking, summary: &Summary, folder: &Path) -> Vec<OverviewLine> {
     let Summary { verdict, concerns, key_numbers, .. } = summary;
-    let phrases = &PHRASES.conclusion;
     let mut lines: Vec<OverviewLine> = Vec::new();
     let line = |label: &str, text: String| OverviewLine {
         label: label.to_owned(),
@@ -50,18 +51,16 @@ pub fn overview(run: &Run, ranking: &Ranking, summary: &Summary, folder: &Path) 
     lines.extend(verdict.answers().map(|(label, text)| line(label, text)));
     if !summary.allowed.is_empty() {
         let codes: Vec<&str> = summary.allowed.keys().map(String::as_str).collect();
-        let count = summary.allowed.values().sum::<usize>().to_string();
-        let texts = [("count", count), ("codes", codes.join(", "))];
-        lines.push(line(phrases.allowed_label, fill(phrases.allowed, &texts)));
+        let count = summary.allowed.values().sum::<usize>();
+        lines.push(line("allowed", format!("{count} by the pipeline: {}", codes.join(", "))));
     }
     // Of an occupant's sensor these are no numbers of the vehicle.
     let of_vehicle = verdict.kind != Kind::Occupant;
     for number in key_numbers.iter().filter(|number| of_vehicle && !number.quantity().console.is_empty()) {
         let is_over_ground = verdict.kind == Kind::TwoVehicles && number.name == CRUSH.key;
-        let label = if is_over_ground { phrases.ground_label } else { number.quantity().console };
+        let label = if is_over_ground { "motion over ground" } else { number.quantity().console };
         let Some(value) = number.value else { continue };
-        let ends = number.low.zip(number.high);
-        let own = with_interval(value, ends, number.interval_source, number.quantity());
+        let own = words::with_interval(value, number.interval(), number.interval_source, number.quantity());
         let mut text = format!("{}{own}", number.bound());
         if let Some(at_s) = number.at_s.filter(|_| number.name == PEAK.key) {
             text.push_str(&format!(", {}", words::quantity(MILLI * at_s, 1, "ms")));
@@ -70,14 +69,13 @@ pub fn overview(run: &Run, ranking: &Ranking, summary: &Summary, folder: &Path) 
             text.push_str(&format!(", {side}"));
         }
         if let Some(spread) = number.spread.as_ref().filter(|_| number.interval_misses_a_sensor()) {
-            let range = without_unit(spread.low, spread.high, number.quantity());
-            let texts = [("count", spread.sensors().to_string()), ("range", range)];
-            text.push_str(&fill(phrases.over_sensors, &texts));
+            let range = words::ends((spread.low, spread.high), number.interval(), number.quantity().shown());
+            text.push_str(&format!("; {} sensors of the compartment: {range}", spread.sensors()));
         }
         lines.push(line(label, text));
     }
     if let Some(best) = ranking.best.as_deref().filter(|_| of_vehicle).and_then(|id| run.candidate(id)) {
-        let label = if verdict.status == Some(Status::DoNotUse) { phrases.doubtful_label } else { phrases.model_label };
+        let label = if verdict.status == Some(Status::DoNotUse) { "model in doubt" } else { "recommended" };
         lines.push(line(label, parameters(run, best, folder)));
     }
     let decisive = decisive_warning(run, concerns).is_some();
@@ -89,29 +87,27 @@ pub fn overview(run: &Run, ranking: &Ranking, summary: &Summary, folder: &Path) 
     // Methods that failed have lines of their own.
     let others = others - failed.len();
     for (number, concern) in first.iter().enumerate() {
-        let label = if number == 0 { phrases.warnings_label } else { "" };
+        let label = if number == 0 { WARNINGS } else { "" };
         // What makes all doubtful is said whole.
         let text = format!("{}. {}", number + 1, concern.text);
         let (code, may_be_cut) = (concern.code.clone(), number > 0 || !decisive);
         lines.push(OverviewLine { code, may_be_cut, ..line(label, text) });
     }
     if run.contradictions.iter().any(|found| !run.allowed.contains(&found.code)) {
-        lines.push(line("", format!("{}: {} {}", phrases.explains, program("artifact explain"), folder.display())));
+        let command = program("artifact explain");
+        lines.push(line("", format!("what contradicts, and what to do: {command} {}", folder.display())));
     }
     if others > 0 {
-        let count = match others {
-            1 => phrases.one_more.to_owned(),
-            n => fill(phrases.more, &[("count", &n.to_string())]),
-        };
-        let label = if first.is_empty() { phrases.warnings_label } else { "" };
-        lines.push(line(label, format!("{count}: {} {}", by_way("just notes", "crumple notes"), folder.display())));
+        let label = if first.is_empty() { WARNINGS } else { "" };
+        let more = more_warnings(others);
+        lines.push(line(label, format!("{more}: {} {}", by_way("just notes", "crumple notes"), folder.display())));
     }
     for (number, concern) in failed.into_iter().enumerate() {
-        lines.push(line(if number == 0 { phrases.failed_label } else { "" }, concern.text.clone()));
+        lines.push(line(if number == 0 { "not identified" } else { "" }, concern.text.clone()));
     }
     // Of a run that is whole the verdict says why something is not there.
     if matches!(verdict.kind, Kind::Barrier | Kind::NoStop | Kind::TwoVehicles | Kind::MeasuredOnly) {
-        lines.extend(run.missing.iter().map(|what| line(phrases.missing_label, what.clone())));
+        lines.extend(run.missing.iter().map(|what| line("not in it", what.clone())));
     }
     lines
 }
@@ -131,27 +127,7 @@ fn said_already<'a>(ranking: &Ranking, verdict: &Conclusion, concerns: &'a [Conc
     said
 }
 
-/// `741 to 759`.
-fn without_unit(low: f64, high: f64, quantity: &KeyQuantity) -> String {
-    let [low, high] = [low, high].map(|end| words::decimals(quantity.factor * end, quantity.decimals));
-    words::between(&low, &high)
-}
-
-/// `750 mm (90 %: 741 to 759)`.
-fn with_interval(
-    value: f64,
-    ends: Option<(f64, f64)>,
-    source: Option<IntervalSourceV1>,
-    quantity: &KeyQuantity,
-) -> String {
-    let (factor, decimals, unit) = quantity.shown();
-    let number = words::quantity(factor * value, decimals, unit);
-    let Some((low, high)) = ends else { return number };
-    let level = words::level(source.and_then(IntervalSourceV1::level_percent));
-    format!("{number} ({level}{})", without_unit(low, high, quantity))
-}
-
-/// `Kelvin, direct fit 1: m 873 kg, k 330.0 kN/m (329.1 to 330.9), c ...`.
+/// `Kelvin model (fitted): m 873 kg, k 330.0 kN/m (329.1 to 330.9), c ...`.
 fn parameters(run: &Run, candidate: &CandidateResult, folder: &Path) -> String {
     let curve = curve(run, candidate);
     let mut names: Vec<&str> = candidate.record.parameters.keys().map(String::as_str).collect();
@@ -169,36 +145,32 @@ fn parameters(run: &Run, candidate: &CandidateResult, folder: &Path) -> String {
     let mut texts: Vec<String> = names.into_iter().map(|name| named_value(candidate, name)).collect();
     texts.extend(curve.map(|curve| format!("{curve}: {} {}", by_way("just curve", "crumple curve"), folder.display())));
     let more = if count > MOST_PARAMETERS { ", ..." } else { "" };
-    format!("{}: {}{more}{}", candidate_name(&candidate.id), texts.join(", "), candidate.about_intervals())
+    let name = capitalised(&run.name_of(&candidate.id));
+    format!("{name}: {}{more}{}", texts.join(", "), candidate.about_intervals())
 }
 
 /// `k 330.0 kN/m (329.1 to 330.9)`, with a question mark where it is not determined; what was not asked of the record,
 /// masses aside, is said to be given.
 fn named_value(candidate: &CandidateResult, name: &str) -> String {
-    let (symbol, value, unit) = parameter(&candidate.record.model, name, candidate.record.parameters[name]);
-    let value = words::significant(value, 4);
-    format!("{symbol} {value} {unit}{}", how_sure(candidate, name)).trim_end().to_owned()
+    let shown = ShownParameter::of(&candidate.record, name);
+    let sure = how_sure(candidate, name, &shown);
+    format!("{} {} {}{sure}", shown.symbol, shown.value, shown.unit).trim_end().to_owned()
 }
 
 /// ` (329.1 to 330.9)`, a question mark where a parameter is not determined, ` (given)` where nobody asked for it.
-fn how_sure(candidate: &CandidateResult, name: &str) -> String {
-    let known = candidate.record.uncertainty.as_ref();
-    let end = |ends: &BTreeMap<String, Option<f64>>| ends.get(name).copied().flatten();
-    let interval = known.and_then(|u| Some((end(&u.interval_low)?, end(&u.interval_high)?)));
-    let in_unit = |si: f64| parameter(&candidate.record.model, name, si).1;
-    let interval = interval.map_or_else(String::new, |(low, high)| {
-        let digits = digits_of_interval(low, high, 3);
-        let [low, high] = [low, high].map(|si| words::significant(in_unit(si), digits));
-        match candidate.record.parameters.get(name) {
-            Some(0.0) => format!(" ({})", fill(PHRASES.model.at_most, &[("end", high)])),
-            _ => format!(" ({})", words::between(&low, &high)),
+fn how_sure(candidate: &CandidateResult, name: &str, shown: &ShownParameter) -> String {
+    let interval = match &shown.ends {
+        Some([Some(_), Some(high)]) if candidate.record.parameters.get(name) == Some(&0.0) => {
+            format!(" (at most {high})")
         }
-    });
+        Some([Some(low), Some(high)]) => format!(" ({})", words::between(low, high)),
+        _ => String::new(),
+    };
     let is_mass = parameter_order(&candidate.record.model, name).0 == 0;
     match candidate.record.certainty(name) {
         Some(Certainty::Determined) => interval,
         None if is_mass || !interval.is_empty() => interval,
-        None => format!(" ({})", PHRASES.conclusion.given),
+        None => " (given)".to_owned(),
         Some(Certainty::OrderOfMagnitude | Certainty::Open) => format!("{interval}?"),
     }
 }
@@ -206,18 +178,16 @@ fn how_sure(candidate: &CandidateResult, name: &str) -> String {
 /// What the parameters of a knot of a force-deflection curve begin with.
 const KNOT: &str = "knot";
 
-/// `as one spring k 769 kN/m (750 to 790), curve of 4 knots to 750 mm`: of a candidate with deflections and forces. One
+/// `as one spring k 769 kN/m (750 to 790), knots to 750 mm`: of a candidate with deflections and forces. One
 /// stiffness for a curve on one mass is that of the spring with the energy and the crush of the test.
 fn curve(run: &Run, candidate: &CandidateResult) -> Option<String> {
     let parameters = &candidate.record.parameters;
     let deflections_m = (1..).map_while(|number| parameters.get(&format!("{KNOT}{number}_m")));
-    let (count, last_m) = deflections_m.enumerate().last().map(|(index, last_m)| (index + 1, last_m))?;
-    let phrases = &PHRASES.conclusion;
-    let end = words::quantity(MILLI * last_m, 0, "mm");
-    let curve = fill(phrases.curve, &[("count", count.to_string()), ("end", end)]);
-    let metric = run.metric("average_stiffness").filter(|_| parameters.contains_key("mass_kg"));
-    let Some((metric, value)) = metric.and_then(|metric| Some((metric, metric.value?))) else { return Some(curve) };
-    let ends = metric.low.zip(metric.high);
-    let stiffness = with_interval(value, ends, metric.source(), &STIFFNESS);
-    Some(format!("{}, {curve}", fill(phrases.as_one_spring, &[("stiffness", stiffness)])))
+    let last_m = deflections_m.last()?;
+    let knots = format!("knots to {}", words::quantity(MILLI * last_m, 0, "mm"));
+    let spring = run.one_spring().filter(|_| parameters.contains_key("mass_kg"));
+    Some(match spring {
+        Some(spring) => format!("as one spring k {}, {knots}", spring.with_interval()),
+        None => knots,
+    })
 }

@@ -7,10 +7,9 @@ use crate::drawing::numbers::MILLI;
 use crate::findings::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::findings::conclusions::kind::Kind;
 use crate::findings::conclusions::several_tests::missed;
-use crate::findings::text::{candidate_name, symbols};
+use crate::findings::text::symbols;
 use crate::findings::{Ranking, Run};
-use crate::phrases::PHRASES;
-use crate::phrases::words::{self, fill};
+use crate::words;
 
 remarks! {
     /// Remarks of the report.
@@ -22,7 +21,8 @@ remarks! {
     decided "The test says that another vehicle was struck."
     means "Delta-v and the pulse hold. Crush, stiffness and predictions take the other vehicle for a rigid wall."
     remedy "use delta-v and the pulse; crumple damage gives the energy of each vehicle from its damage"
-    says PHRASES.conclusion.warn_two_vehicles;
+    says "a collision of two vehicles: the displacement over ground is not the crush of either, and the models take \
+          the other vehicle for a rigid wall";
 
     /// Channels that criteria of an occupant are made from may be clipped.
     CR802 OccupantClipped { channels: Vec<String> }
@@ -30,7 +30,7 @@ remarks! {
     decided "Ingest found samples that repeat the largest value of the channel; see /quality of the channel."
     means "HIC and the 3 ms clip are lower bounds: the peak that the sensor could not measure is missing."
     remedy "use a channel of the same place with a larger range"
-    says fill(PHRASES.conclusion.warn_clipped, &[("channels", channels.join(", "))]);
+    says format!("{} may be clipped: HIC and 3 ms clip would then be larger than shown", channels.join(", "));
 
     /// Sensors of the compartment give another crush than the interval of the pulse holds.
     CR803 SensorsDiffer { sensors: usize, low_m: f64, high_m: f64 }
@@ -40,9 +40,8 @@ remarks! {
            range."
     remedy "quote the range of the sensors"
     says {
-        let mm = |m: f64| words::quantity(MILLI * m, 0, "mm");
-        let texts = [("count", sensors.to_string()), ("low", mm(*low_m)), ("high", mm(*high_m))];
-        fill(PHRASES.conclusion.sensors_differ, &texts)
+        let [low, high] = [low_m, high_m].map(|m| words::quantity(MILLI * m, 0, "mm"));
+        format!("{sensors} sensors of the compartment give a crush of {low} to {high}: quote the range")
     };
 
     /// A model for several tests misses the crush of one of them when it is predicted from the others.
@@ -52,7 +51,10 @@ remarks! {
              than 3 % off."
     means "The tests may not be of one structure. Predictions of the joint model may be off by as much."
     remedy "leave out the test that differs, or quote predictions with that error"
-    says fill(PHRASES.joint.warn_missed, &[("tests", tests)]);
+    says format!(
+        "predicted from the others, the crush of {tests} is outside of its 90 % interval: these tests may not be of \
+         one structure; predictions of the joint model may be off by as much"
+    );
 
     /// A mirrored (dual) model gives the same record as the recommended one.
     CR805 HasDual { id: String, model: String }
@@ -61,7 +63,10 @@ remarks! {
              (docs/methods): the candidate states its dual."
     means "The motion and the crush are the same; masses, springs and dampers of both differ."
     remedy "record a second sensor, on the front or the engine"
-    says fill(PHRASES.conclusion.warn_dual, &[("model", model)]);
+    says format!(
+        "a mirrored (dual) model fits as well as {model}: a second sensor, on the front or the engine, decides between \
+         them"
+    );
 
     /// Parameters of the recommended model are not identifiable from the record.
     CR806 NotIdentifiable { id: String, model: String, names: String }
@@ -70,7 +75,7 @@ remarks! {
              its standard deviation is as large as the value."
     means "Any value within the interval follows the record as well. Quote no value for it."
     remedy "use the crush of the model, not these parameters; a second test at another speed narrows them"
-    says fill(PHRASES.conclusion.warn_open, &[("names", names), ("model", model)]);
+    says format!("{model}: not identifiable from this record: {names}");
 
     /// Parameters of the recommended model have wide intervals.
     CR807 WideIntervals { id: String, model: String, names: String }
@@ -79,7 +84,7 @@ remarks! {
              zero counts by how large it could be (docs/report.md)."
     means "The value is a guide only. The motion of the model holds."
     remedy "quote the interval instead of the value"
-    says fill(PHRASES.conclusion.warn_hardly, &[("names", names), ("model", model)]);
+    says format!("{model}: wide intervals of {names}");
 
     /// Predictions of the recommended model go beyond the crush of the test.
     CR808 BeyondTheTest { crush_m: f64 }
@@ -88,7 +93,10 @@ remarks! {
     means "The structure behind the tested crush was not loaded: its force is assumed, and the interval says how \
            widely."
     remedy "use predictions up to the crush of the test, or add a faster test with crumple together"
-    says fill(PHRASES.conclusion.warn_extrapolates, &[("crush", words::quantity(MILLI * crush_m, 0, "mm"))]);
+    says format!(
+        "predictions beyond {}, the crush of the test, extrapolate",
+        words::quantity(MILLI * crush_m, 0, "mm")
+    );
 
     /// The file states a fact of the test.
     CR809 StatedInFile { fact: String }
@@ -120,7 +128,7 @@ pub fn own_remarks(run: &Run, ranking: &Ranking, kind: Kind) -> Vec<Note> {
         found.push(TestsDisagree { tests }.into());
     }
     if let Some(best) = ranking.best.as_deref().and_then(|id| run.candidate(id)) {
-        let (id, model) = (&best.id, candidate_name(&best.id));
+        let (id, model) = (&best.id, run.name_of(&best.id));
         let named = |names: &[&str]| (!names.is_empty()).then(|| symbols(&best.record, names));
         // In the order in which the verdict distrusts them.
         if best.record.equivalent_to.is_some() {

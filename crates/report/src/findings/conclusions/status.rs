@@ -1,7 +1,5 @@
 //! Whether the results of a run may be used: one word and its one reason, both decided from records.
 
-use crate::phrases::PHRASES;
-use crate::phrases::words::fill;
 use crumple_artifact::records::{PredictedIntervalV1, PredictionV1, StrengthV1};
 use crumple_lumped::{ParameterKind, parameter_kind};
 use schemars::JsonSchema;
@@ -39,17 +37,16 @@ pub enum Status {
 impl Status {
     /// Its word.
     pub fn word(self) -> &'static str {
-        let phrases = &PHRASES.conclusion;
         match self {
-            Self::Usable => phrases.usable,
-            Self::UsableWithCare => phrases.usable_with_care,
-            Self::DoNotUse => phrases.do_not_use,
+            Self::Usable => "usable",
+            Self::UsableWithCare => "usable with care",
+            Self::DoNotUse => "do not use",
         }
     }
 
     /// Its word with the reason.
     pub(crate) fn sentence(self, because: &str) -> String {
-        fill(PHRASES.conclusion.status, &[("status", self.word()), ("reason", because)])
+        format!("{}: {because}.", self.word())
     }
 }
 

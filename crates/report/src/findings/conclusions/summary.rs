@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use crumple_artifact::records::{
     EventsV1, FitV1, ImpactV1, IntervalSourceV1, MetricV1, ModeV1, PredictionV1, RemarkV1, SimulationV1, UncertaintyV1,
 };
-use crumple_signal::{Note, Severity};
 use crumple_stage::is_no_result;
 use schemars::JsonSchema;
 use serde::de::Error as _;
@@ -16,6 +15,7 @@ use crate::findings::conclusions::conclusion::{Conclusion, conclusion};
 use crate::findings::conclusions::distinct_curves::{DistinctCurve, distinct_curves};
 use crate::findings::conclusions::key_numbers::{KeyNumber, key_numbers};
 use crate::findings::conclusions::status::Status;
+use crate::findings::names::name_among;
 use crate::findings::{CandidateResult, IdentifiabilityCounts, Model, Ranking, Run, StageProgram};
 
 /// The schema that a summary names.
@@ -387,6 +387,11 @@ impl Summary {
         self.metrics.get(name)?.value
     }
 
+    /// What a candidate is, in words that no other candidate of the run has: `Kelvin model (fitted)`.
+    pub fn name_of(&self, id: &str) -> String {
+        name_among(id, self.candidates.iter().map(|candidate| (&*candidate.id, &candidate.parameters)))
+    }
+
     /// A parameter of the first physical candidate of a model in the ranking.
     pub fn parameter(&self, model: &str, name: &str) -> Option<f64> {
         let of_id = |id: &String| self.candidates.iter().find(|candidate| candidate.id == *id);
@@ -394,13 +399,9 @@ impl Summary {
         self.ranking.iter().filter_map(of_id).find(of_model)?.parameters.get(name).copied()
     }
 
-    /// How many of the notes are warnings. An earlier summary has only their texts.
+    /// How many warnings there are. An earlier summary has only those that it ranked.
     pub fn count_of_warnings(&self) -> usize {
-        let is_warning = |text: &&String| {
-            let (_, note) = text.split_once(": ").unwrap_or_default();
-            Note::parse(note).severity == Severity::Warning
-        };
-        self.warnings.unwrap_or_else(|| self.notes.iter().filter(is_warning).count())
+        self.warnings.unwrap_or(self.concerns.len())
     }
 
     /// The model year that the name of the vehicle begins with.
@@ -438,7 +439,7 @@ mod tests {
         let read = |json: &str| Summary::from_json(json.as_bytes());
         let summary = read(
             r#"{"schema": "crumple.summary.v1", "test": {"title": "t"}, "verdict": {"language": "de", "kind": "of old"},
-                "notes": ["ingest: warning: a", "ingest: b"]}"#,
+                "concerns": [{"stage": "ingest", "about": "pulse", "weight": 3, "text": "a"}]}"#,
         )
         .unwrap();
         assert_eq!((summary.count_of_warnings(), summary.verdict.status), (1, None));

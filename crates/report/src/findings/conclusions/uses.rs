@@ -11,9 +11,7 @@ use crate::findings::conclusions::status::{
     WIDE_PERCENT, answer, answer_percent, has_only_forces, has_the_forces, of_identified,
 };
 use crate::findings::{CandidateResult, Ranking, Run};
-use crate::phrases::PHRASES;
-use crate::phrases::words;
-use crate::phrases::words::fill;
+use crate::words;
 
 /// Whether the record is what it is taken for: the right channel, sign, unit, mass, speed and time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
@@ -30,11 +28,10 @@ pub enum Soundness {
 impl Soundness {
     /// Its word.
     pub fn word(self) -> &'static str {
-        let phrases = &PHRASES.conclusion;
         match self {
-            Self::Sound => phrases.sound,
-            Self::Check => phrases.check,
-            Self::Wrong => phrases.wrong,
+            Self::Sound => "sound",
+            Self::Check => "check",
+            Self::Wrong => "wrong",
         }
     }
 }
@@ -63,18 +60,18 @@ pub enum Use {
 impl Use {
     /// In words: `other speeds to ±6 %`.
     pub fn in_words(&self) -> String {
-        let phrases = &PHRASES.conclusion;
-        match self {
-            Self::MeasuredQuantities => phrases.use_measured.to_owned(),
-            Self::CrushAtTheTestedSpeed => phrases.use_crush.to_owned(),
+        let words = match self {
+            Self::MeasuredQuantities => "measured quantities",
+            Self::CrushAtTheTestedSpeed => "crush at the tested speed",
             Self::OtherSpeeds { to_percent } => {
-                fill(phrases.use_other_speeds, &[("percent", words::quantity(*to_percent, 0, "%"))])
+                return format!("other speeds to ±{}", words::quantity(*to_percent, 0, "%"));
             }
-            Self::Forces => phrases.use_forces.to_owned(),
-            Self::Parameters => phrases.use_parameters.to_owned(),
-            Self::OccupantCriteria => phrases.use_criteria.to_owned(),
-            Self::IdentifiedModes => phrases.use_modes.to_owned(),
-        }
+            Self::Forces => "forces",
+            Self::Parameters => "parameters",
+            Self::OccupantCriteria => "criteria of the occupant",
+            Self::IdentifiedModes => "frequencies and damping",
+        };
+        words.to_owned()
     }
 }
 
@@ -82,15 +79,14 @@ impl Conclusion {
     /// The two questions on a run, each with its answer: is the record sound, and what is the answer good for. Nothing
     /// where an earlier version did not say it.
     pub fn answers(&self) -> impl Iterator<Item = (&'static str, String)> {
-        let phrases = &PHRASES.conclusion;
-        let of_record = self.record.map(|record| (phrases.record_label, record.word().to_owned()));
-        of_record.map(|of_record| [of_record, (phrases.good_for_label, self.uses())]).into_iter().flatten()
+        let of_record = self.record.map(|record| ("record", record.word().to_owned()));
+        of_record.map(|of_record| [of_record, ("good for", self.uses())]).into_iter().flatten()
     }
 
     /// `measured quantities, crush at the tested speed, other speeds to ±6 %`.
     pub fn uses(&self) -> String {
         let uses: Vec<String> = self.good_for.iter().map(Use::in_words).collect();
-        if uses.is_empty() { PHRASES.conclusion.good_for_nothing.to_owned() } else { uses.join(", ") }
+        if uses.is_empty() { "nothing".to_owned() } else { uses.join(", ") }
     }
 }
 

@@ -3,7 +3,6 @@
 
 use crumple_artifact::records::{MatchingSweepV1, MatchingV1};
 
-use crate::findings::text::candidate_name;
 use crate::findings::{Ranking, Run};
 
 /// Real parameter sets over the division of the mass.
@@ -54,7 +53,7 @@ impl<'a> Divisions<'a> {
             candidates.filter_map(|candidate| Some((candidate, candidate.record.mass_divisions.as_ref()?))).next()?;
         let mass_kg = |name: &str| best.record.parameters.get(name).copied();
         Some(Self {
-            source: candidate_name(&best.id),
+            source: run.name_of(&best.id),
             fitted: true,
             m1_kg: mass_kg("m1_kg")?,
             m2_kg: mass_kg("m2_kg")?,

@@ -3,5 +3,7 @@
 pub mod joint;
 pub mod mass_divisions;
 pub mod model_output;
+pub mod one_spring;
+pub mod parameters;
 pub mod ranking;
 pub mod run;

@@ -3,7 +3,9 @@
 use std::cmp::Ordering;
 
 use crate::findings::{CandidateResult, Run};
-use crate::phrases::PHRASES;
+
+/// Why none is recommended where nobody chose.
+const NO_CHOICE: &str = "parameter-solve made no choice among the candidates";
 
 /// Candidate ids in the order of the choice, and the one that it recommends.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -38,8 +40,7 @@ impl Ranking {
         Self {
             order: order.into_iter().map(|index| run.candidates[index].id.clone()).collect(),
             best: choice.and_then(|choice| choice.recommended.clone()),
-            because: choice
-                .map_or_else(|| PHRASES.remarks.no_choice.to_owned(), |choice| choice.recommended_because.clone()),
+            because: choice.map_or_else(|| NO_CHOICE.to_owned(), |choice| choice.recommended_because.clone()),
         }
     }
 
@@ -66,6 +67,11 @@ impl Ranking {
     pub fn place(&self, id: &str) -> Option<usize> {
         self.order.iter().position(|other| other == id).map(|index| index + 1)
     }
+}
+
+/// Says that no model is recommended.
+pub(crate) fn none_recommended(because: &str) -> String {
+    format!("No model is recommended: {because}.")
 }
 
 /// Sort key of a candidate id: its parts, the last as a number where it is one, so that `.../10` comes after `.../2`.
@@ -146,7 +152,7 @@ mod tests {
     fn without_a_choice_none_is_recommended_and_the_closest_stands_first() {
         let ranking = Ranking::of_run(&run());
         assert_eq!(ranking.order, ["maxwell/fit/1", "kelvin/fit/1", "double/fit/1", "double/fit/2"]);
-        assert_eq!((ranking.best.as_deref(), ranking.no_best()), (None, Some(PHRASES.remarks.no_choice)));
+        assert_eq!((ranking.best.as_deref(), ranking.no_best()), (None, Some(NO_CHOICE)));
     }
 
     #[test]

@@ -2,8 +2,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::phrases::PHRASES;
-use crate::phrases::words::fill;
 use crumple_artifact::records::{
     CandidateV1, Certainty, ChannelFilterV1, Doubt, EventsV1, EvidenceV1, IdentificationV1, ImpactV1, MatchingV1,
     MetricV1, ModeV1, OtherPoleKindV1, OtherPoleV1, PredictionV1, RatedCandidateV1, RecommendationV1, RemarkV1,
@@ -16,9 +14,11 @@ use crumple_stage::is_no_result;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::drawing::numbers::NBSP;
+use crate::findings::names::{name_among, the_model};
 use crate::findings::results::joint::JointTests;
 use crate::findings::results::model_output::ModelOutput;
-use crate::findings::text::{candidate_name, short};
+use crate::findings::text::short;
 
 /// Everything that is known about a run. Parts whose stage has not run are empty.
 #[derive(Debug, Clone, Default)]
@@ -251,6 +251,11 @@ impl CandidateResult {
         self.record.model == "chain"
     }
 
+    /// Its model within a sentence, without knots and method: `the elastoplastic spring`.
+    pub fn in_a_sentence(&self) -> String {
+        the_model(&self.record.model, &self.record.parameters)
+    }
+
     /// Displacement fit of its simulation, percent, as the record was measured; of the motion itself where that was not
     /// computed.
     pub fn fit_percent(&self) -> Option<f64> {
@@ -268,16 +273,11 @@ impl CandidateResult {
 
     /// Why the value of a parameter is in doubt, in words.
     pub fn doubt(&self, name: &str) -> Option<&'static str> {
-        let texts = &PHRASES.model;
-        self.record.doubt(name).map(|doubt| match doubt {
-            Doubt::OnBound => texts.on_a_bound,
-            Doubt::NotDetermined => texts.not_determined,
-        })
+        self.record.doubt(name).map(doubt_in_words)
     }
 
     /// What its intervals hold; nothing without any.
     pub fn about_intervals(&self) -> String {
-        let texts = &PHRASES.model;
         let Some(known) = self.record.uncertainty.as_ref().filter(|known| !known.interval_low.is_empty()) else {
             return String::new();
         };
@@ -286,15 +286,8 @@ impl CandidateResult {
             let ends = [&known.interval_low, &known.interval_high];
             *value != 0.0 && ends.iter().any(|ends| ends.get(name) == Some(&Some(*value)))
         };
-        let widened = if self.record.parameters.iter().any(is_end) { texts.held_by_intervals } else { "" };
-        format!("{}{widened}", texts.for_exact_mass)
-    }
-
-    /// Its name, with that of the candidate that gives exactly the same record.
-    pub fn name_with_dual(&self) -> String {
-        let other = self.record.equivalent_to.as_deref();
-        let other = other.map_or_else(String::new, |other| format!(" or its dual {}", candidate_name(other)));
-        format!("{}{other}", candidate_name(&self.id))
+        let widened = if self.record.parameters.iter().any(is_end) { ", stretched to hold the value" } else { "" };
+        format!("; 95{NBSP}% intervals, mass and sensor gain taken as exact{widened}")
     }
 
     /// Whether it is a chain of two whose masses were looked for by a sensor on the last one alone: their division
@@ -324,6 +317,14 @@ impl CandidateResult {
     }
 }
 
+/// Why the value of a parameter is in doubt, in words.
+pub fn doubt_in_words(doubt: Doubt) -> &'static str {
+    match doubt {
+        Doubt::OnBound => "on a bound",
+        Doubt::NotDetermined => "not determined",
+    }
+}
+
 /// How sure a record is of the numbers of a candidate that were asked of it.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct IdentifiabilityCounts {
@@ -340,22 +341,21 @@ pub struct IdentifiabilityCounts {
 impl IdentifiabilityCounts {
     /// `3 of 4`.
     pub fn counts(&self) -> String {
-        let [determined, parameters] = [self.determined, self.parameters].map(|count| count.to_string());
-        fill(PHRASES.candidates.of, &[("determined", determined), ("parameters", parameters)])
+        format!("{} of {}", self.determined, self.parameters)
     }
 
     /// How sure a candidate is, in the words of every place that says it: `3 of 4 numbers determined, 1 to an order of
     /// magnitude`. `None`: nothing was asked of the record.
     pub fn words(&self) -> Option<String> {
-        let phrases = &PHRASES.conclusion;
-        let [determined, parameters] = [self.determined, self.parameters].map(|count| count.to_string());
-        let mut text = fill(phrases.determined, &[("determined", &determined), ("parameters", &parameters)]);
-        let others = [(&self.order_of_magnitude, phrases.order_of_magnitude), (&self.open, phrases.open)];
-        for (names, template) in others.into_iter().filter(|(names, _)| !names.is_empty()) {
-            text.push_str(&fill(template, &[("count", &names.len().to_string())]));
-        }
-        (self.parameters > 0).then_some(text)
+        let others = not_determined(self.order_of_magnitude.len(), self.open.len());
+        (self.parameters > 0).then(|| format!("{} parameters determined{others}", self.counts()))
     }
+}
+
+/// `, 1 with a wide interval, 2 open`: what stands behind how many parameters are determined.
+pub(crate) fn not_determined(wide: usize, open: usize) -> String {
+    let counted = |count: usize, what: &str| if count > 0 { format!(", {count} {what}") } else { String::new() };
+    counted(wide, "with a wide interval") + &counted(open, "open")
 }
 
 /// A spring or damper at work.
@@ -511,6 +511,12 @@ impl Run {
     /// The candidate of this id.
     pub fn candidate(&self, id: &str) -> Option<&CandidateResult> {
         self.candidates.iter().find(|candidate| candidate.id == id)
+    }
+
+    /// What a candidate is, in words that no other candidate of the run has: `Kelvin model (fitted)`. At the start of a
+    /// sentence or of a cell see [`capitalised`](crate::findings::capitalised).
+    pub fn name_of(&self, id: &str) -> String {
+        name_among(id, self.candidates.iter().map(|candidate| (&*candidate.id, &candidate.record.parameters)))
     }
 
     /// What the choice says of a candidate, where it was among them.

@@ -1,12 +1,10 @@
 //! Parameters of a candidate as bars: the interval about the value, on a logarithmic scale of two decades.
 
-use crate::phrases::PHRASES;
-use crate::phrases::words;
 use std::collections::BTreeMap;
 
 use crate::drawing::escape::html;
-use crate::drawing::numbers::{ABSENT, digits_of_interval};
-use crate::findings::{CandidateResult, parameter, parameter_order};
+use crate::drawing::numbers::ABSENT;
+use crate::findings::{CandidateResult, ShownParameter, parameter_order};
 use crumple_artifact::records::Certainty;
 
 use crate::frame::{Column, heads};
@@ -20,46 +18,38 @@ pub(super) fn table(candidate: &CandidateResult) -> String {
     let mut names: Vec<&String> = candidate.record.parameters.keys().collect();
     names.sort_by_key(|name| parameter_order(model, name));
     let rows: String = names.into_iter().map(|name| row(candidate, name)).collect();
-    let texts = &PHRASES.candidates;
-    let columns = [Column::text(texts.parameter), Column::number(texts.value), Column::number(texts.interval)];
+    let columns = [Column::text("Parameter"), Column::number("Value"), Column::number("95&nbsp;%")];
     format!(
         "<table class=\"bars\"><thead><tr>{}<th scope=\"col\" class=\"scale\"><span>÷10</span>\
-         <span>{}</span><span>×10</span></th></tr></thead><tbody>{rows}</tbody></table>",
-        heads(&columns),
-        texts.scale_value
+         <span>value</span><span>×10</span></th></tr></thead><tbody>{rows}</tbody></table>",
+        heads(&columns)
     )
 }
 
 fn row(candidate: &CandidateResult, name: &str) -> String {
-    let texts = &PHRASES.candidates;
     let record = &candidate.record;
     let value = record.parameters[name];
-    let shown = |value: f64| parameter(&record.model, name, value).1;
-    let (symbol, _, unit) = parameter(&record.model, name, 0.0);
+    let shown = ShownParameter::of(record, name);
     let end = |ends: &BTreeMap<String, Option<f64>>| ends.get(name).copied();
     let ends = record.uncertainty.as_ref().and_then(|u| Some((end(&u.interval_low)?, end(&u.interval_high)?)));
     let on_bound = record.fit.as_ref().is_some_and(|fit| fit.active_bounds.iter().any(|bound| bound == name));
     let is_wide = record.certainty(name) == Some(Certainty::OrderOfMagnitude);
     let no = |words: &str| format!("<span class=\"no\">{words}</span>");
     let (words, bar) = match (candidate.doubt(name), ends) {
-        (None, Some((low, high))) if is_wide => (no(texts.order_of_magnitude), bar(value, low, high)),
+        (None, Some((low, high))) if is_wide => (no("wide interval"), bar(value, low, high)),
         (Some(doubt), _) => (no(doubt), bar(value, None, None)),
-        (None, _) if on_bound => (texts.limit_of_physical.to_owned(), String::new()),
+        (None, _) if on_bound => ("physical limit".to_owned(), String::new()),
         (None, None) if record.asked().any(|asked| asked == name) => (ABSENT.to_owned(), String::new()),
-        (None, None) => (texts.given.to_owned(), String::new()),
-        (None, Some((low, high))) => {
-            let digits = low.zip(high).map_or(3, |(low, high)| digits_of_interval(low, high, 3));
-            let end =
-                |end: Option<f64>| end.map_or_else(|| texts.open.to_owned(), |x| words::significant(shown(x), digits));
-            (words::between(&end(low), &end(high)), bar(value, low, high))
-        }
+        (None, None) => ("given".to_owned(), String::new()),
+        (None, Some((low, high))) => (shown.interval().unwrap_or_default(), bar(value, low, high)),
     };
     format!(
-        "<tr><th scope=\"row\"><span tabindex=\"0\" title=\"{}\">{}</span></th><td class=\"n\">{} {unit}</td>\
+        "<tr><th scope=\"row\"><span tabindex=\"0\" title=\"{}\">{}</span></th><td class=\"n\">{} {}</td>\
          <td class=\"n\">{words}</td><td>{bar}</td></tr>",
         html(name),
-        html(&symbol),
-        words::significant(shown(value), 4)
+        html(&shown.symbol),
+        shown.value,
+        shown.unit
     )
 }
 

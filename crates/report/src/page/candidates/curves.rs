@@ -3,16 +3,15 @@
 use crate::drawing::escape::html;
 use crate::drawing::numbers::{ABSENT, KM_PER_H_PER_M_PER_S, MILLI};
 use crate::findings::{
-    CandidateResult, DistinctCurve, Ranking, Run, SAME_CURVE, SAME_RESTITUTION, candidate_name, distinct_curves,
+    CandidateResult, DistinctCurve, Ranking, Run, SAME_CURVE, SAME_RESTITUTION, capitalised, distinct_curves,
 };
-use crate::phrases::PHRASES;
-use crate::phrases::words;
-use crate::phrases::words::fill;
+use crate::words;
 use crumple_artifact::records::{PredictionV1, RatedCandidateV1};
+use crumple_signal::key_quantities::CRUSH;
 
 use crate::frame::{Column, table};
 
-use super::bars;
+use super::{CRUSH_ERROR, TIME_ERROR, bars};
 
 /// Speeds of predictions with a column at most: the lowest and the highest.
 const SPEEDS: usize = 2;
@@ -23,23 +22,30 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         return;
     }
     let speeds = speeds(run);
-    let texts = &PHRASES.candidates;
     let has_evidence = run.recommendation.as_ref().is_some_and(|choice| !choice.candidates.is_empty());
-    let of_speed =
-        |speed: &f64| fill(texts.crush_at, &[("speed", words::quantity(KM_PER_H_PER_M_PER_S * speed, 0, "km/h"))]);
+    let of_speed = |speed: &f64| format!("C at {}, mm", words::quantity(KM_PER_H_PER_M_PER_S * speed, 0, "km/h"));
     let at_speeds: Vec<String> = speeds.iter().map(of_speed).collect();
-    let mut columns = vec![Column::text(texts.model), Column::number(texts.determined)];
+    let mut columns = vec![Column::text("Model"), Column::number("Determined")];
     if has_evidence {
-        columns.push(Column::number(texts.evidence_against).means(texts.evidence_definition));
+        columns.push(Column::number("Evidence against").means(
+            "Score of what the model foretells of the record, with what is known beside it, above the lowest of the \
+             adequate models: below 2 says nothing, above 10 decides.",
+        ));
     }
     if is_simulated(run) {
         columns.extend([
-            Column::number(texts.crush_error).means(texts.crush_error_definition),
-            Column::number(texts.time_error).means(texts.time_error_definition),
-            Column::number(texts.fit).means(texts.fit_as_measured_definition),
+            CRUSH_ERROR,
+            TIME_ERROR,
+            Column::number("Fit, %").means(
+                "100 (1 − |x − x̂| / |x − mean x|) of the displacement over the compared window, the model measured as \
+                 the record was.",
+            ),
         ]);
     }
-    columns.extend(at_speeds.iter().map(|name| Column::number(name).means(texts.crush_at_definition)));
+    columns.extend(at_speeds.iter().map(|name| {
+        Column::number(name)
+            .means("Dynamic crush as predicted at this speed, same mass, same wall; below it the 90 % interval.")
+    }));
     out.push_str(&table("candidates curves", &columns));
     for curve in &curves {
         row(out, run, ranking, curve, &speeds, has_evidence);
@@ -47,17 +53,21 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     out.push_str("</tbody>\n</table></div>\n");
     let of = run.candidates.len();
     let together = if curves.len() < of {
-        let filled = [
-            ("candidates", of.to_string()),
-            ("curves", curves.len().to_string()),
-            ("share", words::quantity(1e2 * SAME_CURVE, 1, "%")),
-            ("restitution", words::decimals(SAME_RESTITUTION, 2)),
-        ];
-        fill(texts.distinct_curves, &filled)
+        format!(
+            "{of} candidates, {} distinct curves: those in one row differ over the compared window by no more than {} \
+             of the largest displacement and velocity (root mean square), in restitution by no more than {}, and the \
+             evidence does not tell their misfits apart. ",
+            curves.len(),
+            words::quantity(1e2 * SAME_CURVE, 1, "%"),
+            words::decimals(SAME_RESTITUTION, 2)
+        )
     } else {
         String::new()
     };
-    out.push_str(&format!("<p class=\"caption\">{together}{}</p>\n", texts.bars_caption));
+    out.push_str(&format!(
+        "<p class=\"caption\">{together}Highlighted is the chosen model. A bar is a 95 % interval between a tenth and \
+         ten times the value; it fades where it goes on or is open.</p>\n"
+    ));
 }
 
 /// Whether the candidates were compared with one test.
@@ -82,7 +92,6 @@ fn wall(run: &Run) -> impl Iterator<Item = &PredictionV1> {
 
 fn row(out: &mut String, run: &Run, ranking: &Ranking, curve: &DistinctCurve, speeds: &[f64], has_evidence: bool) {
     let Some(candidate) = run.candidate(&curve.id) else { return };
-    let texts = &PHRASES.candidates;
     let best = ranking.best.as_deref() == Some(&candidate.id);
     let rated = run.rated(&candidate.id);
     let simulation = candidate.simulation.as_ref();
@@ -114,36 +123,35 @@ fn row(out: &mut String, run: &Run, ranking: &Ranking, curve: &DistinctCurve, sp
         "<tr{}><td>{}{}</td><td class=\"n\">{determined}</td>{evidence}{errors}{predicted}</tr>\n",
         if best { " class=\"best\"" } else { "" },
         about(run, curve, candidate, rated),
-        format_args!("<details><summary>{}</summary>{}</details>", texts.parameters_of_row, bars::table(candidate)),
+        format_args!("<details><summary>parameters</summary>{}</details>", bars::table(candidate)),
     ));
 }
 
 /// Name, why it is not adequate, and the candidates with the same curve.
 fn about(run: &Run, curve: &DistinctCurve, candidate: &CandidateResult, rated: Option<&RatedCandidateV1>) -> String {
-    let texts = &PHRASES.candidates;
     let choice = run.recommendation.as_ref();
     let roles = [
-        (texts.badge_simplest, choice.and_then(|choice| choice.simplest.as_ref())),
-        (texts.badge_closest, choice.and_then(|choice| choice.closest.as_ref())),
+        ("simplest", choice.and_then(|choice| choice.simplest.as_ref())),
+        ("closest", choice.and_then(|choice| choice.closest.as_ref())),
     ];
     // A badge stands beside the candidate that the choice names, also where that shares its row.
     let badges = |id: &String| -> String {
         let own = roles.iter().filter(|(_, named)| *named == Some(id));
         own.map(|(role, _)| format!(" <span class=\"badge\">{role}</span>")).collect()
     };
-    let mut about = format!("<strong>{}</strong>{}", html(&candidate_name(&candidate.id)), badges(&candidate.id));
+    let name = |id: &str| html(&capitalised(&run.name_of(id)));
+    let mut about = format!("<strong>{}</strong>{}", name(&candidate.id), badges(&candidate.id));
     if let Some(why) = rated.and_then(|rated| rated.not_adequate_because.as_deref()) {
-        let why = fill(texts.not_adequate, &[("why", html(why))]);
-        about.push_str(&format!("<br><span class=\"dual\">{why}</span>"));
+        about.push_str(&format!("<br><span class=\"dual\">not adequate: {}</span>", html(why)));
     }
     if !candidate.record.physical {
-        about.push_str(&format!("<br><span class=\"no\">{}</span>", texts.not_passive));
+        about.push_str("<br><span class=\"no\">not a passive structure</span>");
     }
     if !curve.same_curve.is_empty() {
-        let name = |id: &String| format!("<li>{}{}</li>", html(&candidate_name(id)), badges(id));
-        let names: String = curve.same_curve.iter().map(name).collect();
-        let count = fill(texts.same_curve, &[("count", curve.same_curve.len().to_string())]);
-        about.push_str(&format!("<details><summary>{count}</summary><ul>{names}</ul></details>"));
+        let item = |id: &String| format!("<li>{}{}</li>", name(id), badges(id));
+        let names: String = curve.same_curve.iter().map(item).collect();
+        let count = curve.same_curve.len();
+        about.push_str(&format!("<details><summary>same curve: {count} more</summary><ul>{names}</ul></details>"));
     }
     about
 }
@@ -156,10 +164,11 @@ fn predicted_crush(run: &Run, curve: &DistinctCurve, speed: f64) -> String {
         .find_map(|prediction| Some((prediction, prediction.dynamic_crush_m?)));
     let Some((prediction, crush)) = of_row else { return format!("<td class=\"n\">{ABSENT}</td>") };
     let interval = prediction.intervals.iter().find(|interval| interval.name == "dynamic_crush_m");
+    let known = interval.map(|interval| (interval.low, interval.high));
     let interval = interval.map_or_else(String::new, |interval| {
-        let [low, high] = [interval.low, interval.high].map(|end| words::decimals(MILLI * end, 0));
-        let ends = words::between(&low, &high);
+        let ends = words::ends((interval.low, interval.high), known, CRUSH.shown());
         format!("<br><span class=\"dual\" tabindex=\"0\" title=\"{}\">{ends}</span>", html(&interval.interval_by))
     });
-    format!("<td class=\"n\">{}{interval}</td>", words::decimals(MILLI * crush, 0))
+    let (factor, places, _) = CRUSH.shown();
+    format!("<td class=\"n\">{}{interval}</td>", words::rounded(crush, known, (factor, places, "")))
 }

@@ -1,7 +1,7 @@
 //! The candidates: which to use and why, a row a distinct curve, every one with its remarks.
 
 use crate::findings::{Ranking, Run, Status};
-use crate::phrases::PHRASES;
+use crate::frame::Column;
 
 mod bars;
 mod curves;
@@ -12,15 +12,18 @@ mod uncertainty;
 /// What the bars look like, for the style of the page.
 pub(super) const STYLE: &str = include_str!("style.css");
 
+// Columns that two tables have.
+const CRUSH_ERROR: Column = Column::number("ΔC, mm").means("Dynamic crush, model minus test.");
+const TIME_ERROR: Column = Column::number("Δt<sub>m</sub>, ms").means("Time of dynamic crush, model minus test.");
+
 pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking, status: Option<Status>) {
     if run.candidates.is_empty() && run.recommendation.is_none() {
         return;
     }
-    out.push_str(&format!(
+    out.push_str(
         "<section id=\"candidates\" aria-labelledby=\"candidates-title\">\n\
-         <h2 id=\"candidates-title\">{}</h2>\n",
-        PHRASES.candidates.title
-    ));
+         <h2 id=\"candidates-title\">Which model to use</h2>\n",
+    );
     recommendation::write_roles(out, run, status);
     curves::write(out, run, ranking);
     recommendation::write_evidence(out, run);

@@ -6,36 +6,34 @@ mod parts;
 mod svg;
 
 use crate::drawing::escape::html;
-use crate::drawing::numbers::{ABSENT, KILO, KM_PER_H_PER_M_PER_S, MILLI, NBSP};
-use crate::findings::{CandidateResult, Ranking, Run, Status, candidate_name};
-use crate::phrases::PHRASES;
-use crate::phrases::words;
-use crate::phrases::words::fill;
-use crumple_artifact::records::IntervalSourceV1;
+use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI, NBSP};
+use crate::findings::{CandidateResult, Ranking, Run, Status, capitalised};
+use crate::words;
+use crumple_artifact::records::SimulationV1;
 use layout::layout;
 use motion::motion;
 use parts::{ElementPart, Glyph, parts};
 
 use crate::figures::crash::curves::view_ms;
-use crate::page::how_well::grade;
 
 /// What the pictures look like, for the style of the page.
 pub(super) const STYLE: &str = include_str!("style.css");
+
+/// Role of the recommended candidate.
+pub(super) const RECOMMENDED: &str = "Recommended for predictions";
+/// Role of the candidate that follows the record best.
+pub(super) const CLOSEST: &str = "Closest to the record";
 
 pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking, status: Option<Status>) {
     let shown = shown(run, ranking);
     if shown.is_empty() {
         return;
     }
-    let texts = &PHRASES.model;
-    out.push_str(&format!(
-        "<section id=\"model\" aria-labelledby=\"model-title\">\n<h2 id=\"model-title\">{}</h2>\n",
-        texts.title
-    ));
+    out.push_str("<section id=\"model\" aria-labelledby=\"model-title\">\n<h2 id=\"model-title\">The model</h2>\n");
     for (number, (role, candidate)) in shown.iter().enumerate() {
         // Nothing is recommended that is not to be used.
         let is_recommended = ranking.best.as_ref() == Some(&candidate.id);
-        let role = if status == Some(Status::DoNotUse) && is_recommended { &texts.in_doubt } else { role };
+        let role = if status == Some(Status::DoNotUse) && is_recommended { "In doubt" } else { *role };
         // What nobody is told to use waits.
         let (open, close) = match number {
             0 => (String::new(), ""),
@@ -45,30 +43,32 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking, status: Opti
         write_one(out, run, number + 1, role, candidate);
         out.push_str(close);
     }
-    out.push_str(&format!("<p class=\"caption\">{}</p>\n</section>\n", texts.caption));
+    out.push_str(
+        "<p class=\"caption\">Under a value its 95 % interval, if the model is true and mass, speed and gain are as \
+         stated. Determined: known within a factor of ten. Dashed and “?”: not determined. Zigzag: spring; box and \
+         piston: damper; small curve: force over deflection.</p>\n</section>\n",
+    );
 }
 
 /// The candidates to show, with what each is: the recommended and the closest, once where they are one; without either
 /// the leading one.
 fn shown<'a>(run: &'a Run, ranking: &Ranking) -> Vec<(&'static str, &'a CandidateResult)> {
-    let texts = &PHRASES.model;
     let recommended = ranking.best.as_deref();
     let closest = run.recommendation.as_ref().and_then(|choice| choice.closest.as_deref());
     let leading = || ranking.leading(run).filter(|_| recommended.is_none()).map(|candidate| candidate.id.as_str());
     let closest = closest.or_else(leading);
     let names = match (recommended, closest) {
-        (Some(a), Some(b)) if a == b => vec![(texts.recommended_and_closest, a)],
-        (Some(a), Some(b)) => vec![(texts.recommended, a), (texts.closest, b)],
-        (None, Some(b)) => vec![(texts.closest_alone, b)],
-        (Some(a), None) => vec![(texts.recommended, a)],
+        (Some(a), Some(b)) if a == b => vec![("Recommended, and closest to the record", a)],
+        (Some(a), Some(b)) => vec![(RECOMMENDED, a), (CLOSEST, b)],
+        (None, Some(b)) => vec![("Closest to the record; none is recommended", b)],
+        (Some(a), None) => vec![(RECOMMENDED, a)],
         (None, None) => Vec::new(),
     };
     names.into_iter().filter_map(|(role, id)| Some((role, run.candidate(id)?))).collect()
 }
 
 fn write_one(out: &mut String, run: &Run, number: usize, role: &str, candidate: &CandidateResult) {
-    let texts = &PHRASES.model;
-    let name = candidate_name(&candidate.id);
+    let name = run.name_of(&candidate.id);
     out.push_str(&format!("<figure class=\"model\">\n<h3>{}: {}</h3>\n", html(role), html(&name)));
     match parts(candidate) {
         Some(parts) => {
@@ -76,9 +76,16 @@ fn write_one(out: &mut String, run: &Run, number: usize, role: &str, candidate: 
             let speed = speed.map(|v| format!("{} km/h", words::decimals(KM_PER_H_PER_M_PER_S * v, 1)));
             let layout = layout(&parts);
             let motion = view_ms(run).and_then(|[_, until_ms]| motion(candidate, &layout, until_ms));
-            out.push_str(&svg::drawing(number, &name, &parts, &layout, motion.as_ref(), speed.as_deref()));
+            out.push_str(&svg::drawing(
+                number,
+                &capitalised(&name),
+                &parts,
+                &layout,
+                motion.as_ref(),
+                speed.as_deref(),
+            ));
         }
-        None => out.push_str(&format!("<p>{}</p>\n", texts.no_structure)),
+        None => out.push_str("<p>No structure of masses and elements belongs to this model.</p>\n"),
     }
     // Of the first model, whichever it is, the one number that people ask for; it is the same of all.
     let spring = one_spring(run, candidate).filter(|_| number == 1);
@@ -88,34 +95,19 @@ fn write_one(out: &mut String, run: &Run, number: usize, role: &str, candidate: 
 
 /// How well it is known, how well it follows the test, and what the second sensor says.
 fn words(run: &Run, candidate: &CandidateResult) -> String {
-    let texts = &PHRASES.model;
     let mut sentences = Vec::new();
     let intervals = candidate.about_intervals();
     sentences.extend(candidate.certainties().words().map(|text| format!("{text}{intervals}.")));
     if let Some(simulation) = &candidate.simulation {
-        let or_absent = |text: Option<String>| text.unwrap_or_else(|| ABSENT.to_owned());
-        let error = |value: Option<f64>, places| or_absent(value.map(|x| words::signed(MILLI * x, places)));
-        let measured = run.events.as_ref().and_then(|events| events.coefficient_of_restitution);
-        let restitution = simulation
-            .coefficient_of_restitution
-            .zip(measured)
-            // Of a record that ends before the rebound does, a model that rebounds faster is off by nothing known.
-            .filter(|(model, test)| !run.is_rebound_cut() || model < test)
-            .map(|(model, test)| fill(texts.and_restitution, &[("restitution", words::signed(model - test, 2))]));
-        let filled = [
-            ("crush", format!("{}{NBSP}mm", error(simulation.dynamic_crush_error_m, 0))),
-            ("time", format!("{}{NBSP}ms", error(simulation.time_of_dynamic_crush_error_s, 1))),
-            ("restitution", restitution.unwrap_or_default()),
-            ("fit", format!("{}{NBSP}%", or_absent(candidate.fit_percent().map(|fit| words::decimals(fit, 1))))),
-        ];
-        // Of a record without a crush there is none to be off.
-        let has_crush = simulation.dynamic_crush_error_m.or(simulation.time_of_dynamic_crush_error_s).is_some();
-        sentences.push(fill(if has_crush { texts.off_the_test } else { texts.follows }, &filled));
+        sentences.extend(against_its_test(run, simulation));
+        if let Some(fit) = candidate.fit_percent() {
+            sentences.push(format!("Displacement fit {}{NBSP}%.", words::decimals(fit, 1)));
+        }
         let rating = simulation.ratings.iter().find(|r| r.definition_id == "iso18571" && r.quantity == "acceleration");
         if let Some((rating, value)) = rating.and_then(|rating| Some((rating, rating.value?))) {
-            let grade = rating.note.as_deref().map(|note| format!(" ({})", html(grade(note))));
-            let filled = [("value", words::decimals(value, 2)), ("grade", grade.unwrap_or_default())];
-            sentences.push(fill(texts.rating, &filled));
+            let grade = rating.note.as_deref().map(|note| format!(" ({})", html(note)));
+            let (value, grade) = (words::decimals(value, 2), grade.unwrap_or_default());
+            sentences.push(format!("ISO/TS 18571 of the acceleration {value}{grade}."));
         }
     }
     // Where more than the pulse has chosen, the sensors are named.
@@ -123,13 +115,34 @@ fn words(run: &Run, candidate: &CandidateResult) -> String {
     let deciding = chosen.map(|choice| choice.decided_by.as_slice()).filter(|channels| channels.len() > 1);
     sentences.extend(deciding.map(|channels| {
         let sensors: Vec<String> = channels.iter().map(|channel| sensor_with_place(run, channel)).collect();
-        fill(texts.decided_by, &[("sensors", sensors.join(", "))])
+        format!("Chosen by sensors {}.", sensors.join(", "))
     }));
     if let Some(other) = &candidate.record.equivalent_to {
-        sentences.push(fill(texts.same_record, &[("model", html(&candidate_name(other)))]));
+        sentences.push(format!("{} gives the same record on this sensor.", html(&capitalised(&run.name_of(other)))));
     }
     sentences.extend(second_sensor(run, candidate));
     sentences.join(" ")
+}
+
+/// `Model (test): crush 750 mm (750), time 73.4 ms (74.2), restitution 0.17 (0.16).` Nothing of a record without a
+/// crush.
+fn against_its_test(run: &Run, simulation: &SimulationV1) -> Option<String> {
+    let pair = |what: &str, model: Option<f64>, error: Option<f64>, (factor, places, unit): (f64, usize, &str)| {
+        let (model, error) = model.zip(error)?;
+        let test = words::decimals(factor * (model - error), places);
+        Some(format!("{what} {} ({test})", words::quantity(factor * model, places, unit)))
+    };
+    let measured = run.events.as_ref().and_then(|events| events.coefficient_of_restitution);
+    // Of a record that ends before the rebound does, a model that rebounds faster is off by nothing known.
+    let restitution = simulation.coefficient_of_restitution;
+    let off = restitution.zip(measured).map(|(model, test)| model - test);
+    let off = off.filter(|off| !run.is_rebound_cut() || *off < 0.0);
+    let (crush, time) = (simulation.dynamic_crush_m, simulation.time_of_dynamic_crush_s);
+    let crush = pair("crush", crush, simulation.dynamic_crush_error_m, (MILLI, 0, "mm"));
+    let time = pair("time", time, simulation.time_of_dynamic_crush_error_s, (MILLI, 1, "ms"));
+    let restitution = pair("restitution", restitution, off, (1.0, 2, "")).filter(|_| crush.is_some() || time.is_some());
+    let pairs: Vec<String> = [crush, time, restitution].into_iter().flatten().collect();
+    (!pairs.is_empty()).then(|| format!("Model (test): {}.", pairs.join(", ")))
 }
 
 /// One stiffness for a model of one mass whose spring is a curve of knots: that of the spring with the energy and the
@@ -141,15 +154,8 @@ fn one_spring(run: &Run, candidate: &CandidateResult) -> Option<String> {
     if drawn.masses.len() > 1 || !has_a_curve || has_a_stiffness {
         return None;
     }
-    let metric = run.metric("average_stiffness")?;
-    let shown = |si: f64, unit: &str| words::quantity(KILO * si, 0, unit);
-    let interval = metric.low.zip(metric.high).map(|(low, high)| {
-        let level = words::level(metric.source().and_then(IntervalSourceV1::level_percent));
-        let ends = words::between(&shown(low, ""), &shown(high, "kN/m"));
-        format!(" ({level}{ends})")
-    });
-    let stiffness = format!("{}{}", shown(metric.value?, "kN/m"), interval.unwrap_or_default());
-    Some(fill(PHRASES.model.one_spring, &[("stiffness", stiffness)]))
+    let stiffness = run.one_spring()?.with_interval();
+    Some(format!("One spring with the energy and the crush of the test: <strong>k{NBSP}={NBSP}{stiffness}</strong>."))
 }
 
 /// `96 (engine, top)`.
@@ -160,7 +166,6 @@ fn sensor_with_place(run: &Run, channel: &str) -> String {
 
 /// What sensors on the masses in front say of a model with several masses.
 fn second_sensor(run: &Run, candidate: &CandidateResult) -> Option<String> {
-    let texts = &PHRASES.model;
     let masses = parts(candidate)?.masses.len();
     if masses < 2 {
         return None;
@@ -170,34 +175,34 @@ fn second_sensor(run: &Run, candidate: &CandidateResult) -> Option<String> {
     let fitted = candidate.record.fit.iter().flat_map(|fit| &fit.sensors).filter(|sensor| in_front(sensor.mass));
     let mut said: Vec<String> = fitted
         .map(|sensor| {
-            let (name, factor, unit) = match sensor.quantity.as_str() {
-                "displacement" => (texts.quantity_displacement, MILLI, "mm"),
-                "velocity" => (texts.quantity_velocity, KM_PER_H_PER_M_PER_S, "km/h"),
-                "acceleration" => (texts.quantity_acceleration, 1.0, "m/s²"),
-                other => (other, 1.0, "m/s²"),
+            let (factor, unit) = match sensor.quantity.as_str() {
+                "displacement" => (MILLI, "mm"),
+                "velocity" => (KM_PER_H_PER_M_PER_S, "km/h"),
+                _ => (1.0, "m/s²"),
             };
-            let filled = [
-                ("sensor", place(&sensor.channel)),
-                ("mass", sensor.mass.to_string()),
-                ("quantity", html(name)),
-                ("error", words::quantity(factor * sensor.rmse, 1, unit)),
-            ];
-            fill(texts.sensor_fitted, &filled)
+            format!(
+                "Sensor {} on mass {}, fitted too: {} off by {} rms.",
+                place(&sensor.channel),
+                sensor.mass,
+                html(&sensor.quantity),
+                words::quantity(factor * sensor.rmse, 1, unit)
+            )
         })
         .collect();
     let others = candidate.simulation.iter().flat_map(|s| &s.other_sensors).filter(|sensor| in_front(sensor.mass));
     said.extend(others.map(|sensor| {
-        let fit = sensor.fit_percent.map(|fit| fill(texts.fit, &[("fit", words::quantity(fit, 1, "%"))]));
-        let filled = [
-            ("sensor", place(&sensor.channel)),
-            ("mass", sensor.mass.to_string()),
-            ("error", words::quantity(MILLI * sensor.rmse_displacement_m, 1, "mm")),
-            ("fit", fit.unwrap_or_default()),
-        ];
-        fill(texts.sensor_not_seen, &filled)
+        let fit = sensor.fit_percent.map(|fit| format!(", fit {}", words::quantity(fit, 1, "%")));
+        format!(
+            "Sensor {} on mass {}, which the fit did not see: displacement off by {} rms{}.",
+            place(&sensor.channel),
+            sensor.mass,
+            words::quantity(MILLI * sensor.rmse_displacement_m, 1, "mm"),
+            fit.unwrap_or_default()
+        )
     }));
     if said.is_empty() {
-        said.push(if masses == 2 { texts.no_sensor_on_front } else { texts.no_sensor_in_front }.to_owned());
+        let where_none_is = if masses == 2 { "its front mass" } else { "the masses in front" };
+        said.push(format!("No sensor on {where_none_is}: nothing in this record tests how the mass is divided."));
     }
     Some(said.join(" "))
 }

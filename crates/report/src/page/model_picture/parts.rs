@@ -1,12 +1,10 @@
 //! The masses and elements of a candidate with the words that stand at them.
 
-use crate::phrases::PHRASES;
-use crate::phrases::words;
+use crate::words;
 use std::collections::BTreeMap;
 
-use crate::drawing::numbers::{KILO, digits_of_interval};
-use crate::findings::{CandidateResult, parameter};
-use crate::phrases::words::fill;
+use crate::drawing::numbers::KILO;
+use crate::findings::{CandidateResult, ShownParameter};
 use crumple_artifact::records::Certainty;
 use crumple_lumped::{
     Chain, Element, Model, ModelKind, Node, ParameterKind, Place, Structure, parameter_kind, structure_of,
@@ -73,7 +71,8 @@ pub fn parts(candidate: &CandidateResult) -> Option<Parts> {
         .map(|(i, kg)| {
             let name = owners.iter().find(|(_, place)| **place == Place::Mass(i)).map(|(name, _)| name.as_str());
             let known = name.map(|name| Known::of(candidate, name)).unwrap_or_default();
-            let mut lines = vec![format!("{} kg{}", words::significant(*kg, 4), if known.open { " ?" } else { "" })];
+            let value = known.value.unwrap_or_else(|| words::significant(*kg, 4));
+            let mut lines = vec![format!("{value} kg{}", if known.open { " ?" } else { "" })];
             // The mark says that it is in doubt; there is no room for more.
             lines.extend(known.interval.filter(|_| !known.open));
             MassPart { symbol: numbered("m", i, alone), lines, open: known.open }
@@ -108,37 +107,34 @@ fn owners(model: &str, parameters: &BTreeMap<String, f64>) -> Option<BTreeMap<St
 /// What is known of one parameter.
 #[derive(Debug, Clone, Default)]
 struct Known {
+    /// Its value in the unit of the page.
+    value: Option<String>,
     open: bool,
     interval: Option<String>,
 }
 
 impl Known {
     fn of(candidate: &CandidateResult, name: &str) -> Self {
-        let texts = &PHRASES.model;
         let record = &candidate.record;
+        let shown = ShownParameter::of(record, name);
+        let value = Some(shown.value);
         if let Some(doubt) = candidate.doubt(name) {
-            return Self { open: true, interval: Some(doubt.to_owned()) };
+            return Self { value, open: true, interval: Some(doubt.to_owned()) };
         }
         let open = record.certainty(name) == Some(Certainty::OrderOfMagnitude);
         let is_zero = record.parameters.get(name) == Some(&0.0);
         let on_bound = record.fit.as_ref().is_some_and(|fit| fit.active_bounds.iter().any(|bound| bound == name));
         if on_bound && !open {
-            return Self { open, interval: Some(texts.limit_of_physical.to_owned()) };
+            return Self { value, open, interval: Some("physical limit".to_owned()) };
         }
-        let end = |ends: &BTreeMap<String, Option<f64>>| ends.get(name).copied();
-        let ends = record.uncertainty.as_ref().and_then(|u| Some((end(&u.interval_low)?, end(&u.interval_high)?)));
-        let shown = |value: f64, digits: usize| words::significant(parameter(&record.model, name, value).1, digits);
-        let interval = ends.map(|ends| match ends {
-            (_, Some(high)) if is_zero => fill(texts.at_most, &[("end", shown(high, 3))]),
-            (Some(low), Some(high)) => {
-                let digits = digits_of_interval(low, high, 3);
-                words::between(&shown(low, digits), &shown(high, digits))
-            }
-            (Some(low), None) => fill(texts.above, &[("end", shown(low, 3))]),
-            (None, Some(high)) => fill(texts.below, &[("end", shown(high, 3))]),
-            (None, None) => texts.open.to_owned(),
+        let interval = shown.ends.map(|ends| match ends {
+            [_, Some(high)] if is_zero => format!("at most {high}"),
+            [Some(low), Some(high)] => words::between(&low, &high),
+            [Some(low), None] => format!("above {low}"),
+            [None, Some(high)] => format!("below {high}"),
+            [None, None] => "open".to_owned(),
         });
-        Self { open, interval }
+        Self { value, open, interval }
     }
 }
 
@@ -153,7 +149,6 @@ fn element(
     owners: &BTreeMap<String, Place>,
     at: usize,
 ) -> ElementPart {
-    let texts = &PHRASES.model;
     let record = &candidate.record;
     let connection = &structure.connections()[at];
     let node = |node: Node| match node {
@@ -177,9 +172,9 @@ fn element(
     };
     let mut lines = Vec::new();
     let mut value = |symbol: &str, name: &str, may_be_open: bool| {
-        let (_, shown, unit) = parameter(&record.model, name, record.parameters[name]);
+        let ShownParameter { value, unit, .. } = ShownParameter::of(record, name);
         let doubt = if may_be_open && known[name].open { " ?" } else { "" };
-        lines.push(format!("{symbol} {} {unit}{doubt}", words::significant(shown, 4)));
+        lines.push(format!("{symbol} {value} {unit}{doubt}"));
         lines.extend(known[name].interval.clone());
     };
     let (glyph, letter) = match &connection.element {
@@ -214,7 +209,7 @@ fn element(
         }
         Element::PlasticSpring(spring) => {
             for (words, name) in
-                [(texts.loading, "loading_stiffness_n_per_m"), (texts.unloading, "unloading_stiffness_n_per_m")]
+                [("loading", "loading_stiffness_n_per_m"), ("unloading", "unloading_stiffness_n_per_m")]
             {
                 if known.contains_key(name) {
                     value(words, name, true);
@@ -239,33 +234,27 @@ fn words_of_curve(
     known: &BTreeMap<&str, Known>,
     (open, asked): (usize, usize),
 ) -> Vec<String> {
-    let texts = &PHRASES.model;
     let mut lines = Vec::new();
     let largest = knots.iter().enumerate().max_by(|a, b| a.1.1.total_cmp(&b.1.1));
     if let Some((index, (deflection, force))) = largest {
         let at_knot = format!("knot{index}_n");
         let known = known.iter().find(|(name, _)| name.ends_with(at_knot.as_str())).map(|(_, known)| known);
         let doubt = if known.is_some_and(|known| known.open) { " ?" } else { "" };
-        let filled = [
-            ("symbol", symbol.to_owned()),
-            ("force", format!("{} kN", words::significant(1e-3 * force, 3))),
-            ("deflection", format!("{} mm", words::significant(1e3 * deflection, 3))),
-            ("doubt", doubt.to_owned()),
-        ];
-        lines.push(fill(texts.up_to, &filled));
+        let force = known.and_then(|known| known.value.clone()).unwrap_or_else(|| words::significant(KILO * force, 3));
+        let deflection = words::significant(1e3 * deflection, 3);
+        lines.push(format!("{symbol} up to {force} kN at {deflection} mm{doubt}"));
         lines.extend(known.and_then(|known| known.interval.clone()));
     }
-    let count = knots.len().saturating_sub(1).to_string();
+    let count = knots.len().saturating_sub(1);
     lines.push(match asked {
-        0 => fill(texts.knots, &[("count", count)]),
+        0 => format!("{count} knots"),
         asked => knots_determined(count, (open, asked)),
     });
     lines
 }
 
-fn knots_determined(count: String, (open, asked): (usize, usize)) -> String {
-    let filled = [("count", count), ("determined", (asked - open).to_string()), ("asked", asked.to_string())];
-    fill(PHRASES.model.knots_determined, &filled)
+fn knots_determined(count: usize, (open, asked): (usize, usize)) -> String {
+    format!("{count} knots, {} of {asked} determined", asked - open)
 }
 
 /// `k 0 to 643 kN/m`, and how many of its numbers are open.
@@ -276,7 +265,7 @@ fn range_of_knots(symbol: &str, knots: &[(f64, f64)], unit: &str, (open, asked):
     let [low, high] = [low, high].map(|end| words::significant(end, 3));
     let mut lines = vec![format!("{symbol} {} {unit}{doubt}", words::between(&low, &high))];
     if asked > 0 {
-        lines.push(knots_determined(knots.len().to_string(), (open, asked)));
+        lines.push(knots_determined(knots.len(), (open, asked)));
     }
     lines
 }

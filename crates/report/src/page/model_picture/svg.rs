@@ -1,10 +1,8 @@
 //! The drawing as SVG, to be read by people and screen readers alike. Colours are those of the page.
 
-use crate::phrases::PHRASES;
 use std::fmt::Write;
 
 use crate::drawing::escape::html;
-use crate::phrases::words::fill;
 
 use super::layout::{LINE, Lane, Layout, WIDTH};
 use super::motion::Motion;
@@ -29,7 +27,7 @@ pub fn drawing(
         html(name),
         html(&in_words(parts))
     );
-    frame(&mut out, layout, speed, PHRASES.model.barrier);
+    frame(&mut out, layout, speed);
     for (element, lane) in parts.elements.iter().zip(&layout.lanes) {
         draw_element(&mut out, element, lane);
     }
@@ -68,35 +66,27 @@ pub fn drawing(
 
 /// What the drawing shows, in a sentence a part.
 fn in_words(parts: &Parts) -> String {
-    let texts = &PHRASES.model;
     let node = |node: Option<usize>| match node {
-        None => texts.the_barrier.to_owned(),
-        Some(i) if parts.masses.len() == 1 => parts.masses[i].symbol.replace('m', texts.the_mass),
-        Some(i) => fill(texts.mass_number, &[("number", (i + 1).to_string())]),
+        None => "the barrier".to_owned(),
+        Some(i) if parts.masses.len() == 1 => parts.masses[i].symbol.replace('m', "the mass"),
+        Some(i) => format!("mass {}", i + 1),
     };
-    let masses = parts.masses.iter().map(|mass| {
-        fill(texts.mass_words, &[("symbol", mass.symbol.as_str()), ("values", mass.lines.join(", ").as_str())])
-    });
+    let masses = parts.masses.iter().map(|mass| format!("Mass {}: {}.", mass.symbol, mass.lines.join(", ")));
     let elements = parts.elements.iter().map(|element| {
         let kind = match element.glyph {
-            Glyph::Spring => texts.spring,
-            Glyph::Damper => texts.damper,
-            Glyph::SpringAndDamper => texts.spring_and_damper,
-            Glyph::Curve(_) => texts.curve,
+            Glyph::Spring => "Spring",
+            Glyph::Damper => "Damper",
+            Glyph::SpringAndDamper => "Spring and damper in series",
+            Glyph::Curve(_) => "Force-deflection curve",
         };
-        let filled = [
-            ("kind", kind.to_owned()),
-            ("front", node(element.front)),
-            ("rear", node(element.rear)),
-            ("values", element.lines.join(", ")),
-        ];
-        fill(texts.between, &filled)
+        let (front, rear) = (node(element.front), node(element.rear));
+        format!("{kind} between {front} and {rear}: {}.", element.lines.join(", "))
     });
     masses.chain(elements).collect::<Vec<_>>().join(" ")
 }
 
 /// Ground, barrier and the arrow of the impact speed.
-fn frame(out: &mut String, layout: &Layout, speed: Option<&str>, wall: &str) {
+fn frame(out: &mut String, layout: &Layout, speed: Option<&str>) {
     let (barrier, ground) = (layout.barrier, layout.ground);
     let _ = writeln!(
         out,
@@ -108,7 +98,7 @@ fn frame(out: &mut String, layout: &Layout, speed: Option<&str>, wall: &str) {
         let _ = writeln!(
             out,
             "<text class=\"interval\" x=\"4\" y=\"{:.1}\">{} →</text>\n\
-             <text class=\"interval\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{wall}</text>",
+             <text class=\"interval\" x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">barrier</text>",
             ground + 15.0,
             html(speed),
             barrier + 8.0,

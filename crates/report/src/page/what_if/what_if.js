@@ -4,16 +4,10 @@
 (function () {
   const section = document.getElementById("what-if");
   const data = JSON.parse(document.getElementById("what-if-data").textContent);
-  const words = JSON.parse(document.getElementById("what-if-words").textContent);
   const TOLERANCE = 1e-3;
 
-  // A number in the language of the page, and a text with others put in.
-  const number = function (value, places) {
-    return value.toFixed(places).replace("-", "\u2212").replace(".", words.decimal_mark);
-  };
-  const fill = function (template, texts) {
-    return template.replace(/\{(\w+)\}/g, function (_, name) { return texts[name]; });
-  };
+  // A number with so many decimals and a true minus.
+  const number = function (value, places) { return value.toFixed(places).replace("-", "\u2212"); };
 
   // y(q) through points, constant beyond the last.
   function along(points, q) {
@@ -164,11 +158,10 @@
       || off(original.time, data.time) > TOLERANCE) {
     section.dataset.state = "off";
     const stopped = original !== null && original.time !== null;
-    const instead = stopped ? fill(words.instead, {
-      crush: number(1e3 * original.crush, 1) + " mm", time: number(1e3 * original.time, 2) + " ms",
-      stage_crush: number(1e3 * data.crush, 1) + " mm", stage_time: number(1e3 * data.time, 2) + " ms",
-    }) : "";
-    state.textContent = fill(words.switched_off, { instead: instead });
+    const motion = function (m) { return `${number(1e3 * m.crush, 1)} mm at ${number(1e3 * m.time, 2)} ms`; };
+    const instead = stopped ? ` (${motion(original)} instead of ${motion(data)})` : "";
+    state.textContent =
+      `Switched off: this page does not find the crush and time of the simulation again${instead}.`;
     return;
   }
 
@@ -177,12 +170,12 @@
   const total = data.masses.reduce(function (sum, m) { return sum + m; }, 0);
   // Letter in the address, name, unit, range, step, factor from the shown number to that of the model.
   const sliders = [
-    { key: "k", of: "stiffness", name: words.stiffness, unit: "%", low: 50, high: 200, step: 1, per: 0.01 },
-    { key: "c", of: "damping", name: damped ? words.damping : words.rate_effect, unit: "%", low: 0, high: 300, step: 1,
+    { key: "k", of: "stiffness", name: "Stiffness", unit: "%", low: 50, high: 200, step: 1, per: 0.01 },
+    { key: "c", of: "damping", name: damped ? "Damping" : "Rate effect", unit: "%", low: 0, high: 300, step: 1,
       per: 0.01 },
-    { key: "m", of: "mass", name: words.mass, unit: "kg", low: Math.round(0.5 * total), high: Math.round(2 * total),
+    { key: "m", of: "mass", name: "Mass", unit: "kg", low: Math.round(0.5 * total), high: Math.round(2 * total),
       step: 1, per: 1 / total },
-    { key: "v", of: "speed", name: words.speed, unit: "km/h", low: 10,
+    { key: "v", of: "speed", name: "Speed", unit: "km/h", low: 10,
       high: Math.max(120, Math.ceil(1.5 * data.kmh * data.v0)), step: 0.1, per: 1 / data.kmh },
   ].filter(function (s) { return s.key !== "c" || damped || rated; });
 
@@ -204,7 +197,7 @@
   });
   const reset = document.createElement("button");
   reset.type = "button";
-  reset.textContent = words.as_identified;
+  reset.textContent = "as identified";
   reset.addEventListener("click", function () {
     sliders.forEach(function (s) { s.input.value = s.start; });
     update(true);
@@ -235,17 +228,17 @@
     const x = function (t) { return L + (W - L - R) * t / right; };
     const y = function (v) { return T + (H - T - B) * (high - v) / (high - low || 1); };
     svg.replaceChildren();
-    shape(svg, "title", {}, fill(words.over_time, { quantity: title }));
+    shape(svg, "title", {}, title + " over time: test, model as identified, model as set");
     ticks(low, high).forEach(function (v) {
       shape(svg, "path", { class: "grid", d: "M" + L + " " + y(v).toFixed(1) + "H" + (W - R) });
       shape(svg, "text", { x: L - 5, y: (y(v) + 4).toFixed(1), "text-anchor": "end" },
-        String(v).replace("-", "\u2212").replace(".", words.decimal_mark));
+        String(v).replace("-", "\u2212"));
     });
     ticks(0, right).forEach(function (t) {
       shape(svg, "text", { x: x(t).toFixed(1), y: H - B + 15, "text-anchor": "middle" }, String(t));
     });
     shape(svg, "text", { x: L, y: 13 }, title + ", " + unit);
-    shape(svg, "text", { x: W - R, y: H - 4, "text-anchor": "end" }, words.time_after_contact);
+    shape(svg, "text", { x: W - R, y: H - 4, "text-anchor": "end" }, "time after contact, ms");
     curves.forEach(function (c) {
       const d = c.points.map(function (p, i) {
         return (i ? "L" : "M") + x(p[0]).toFixed(1) + " " + y(p[1]).toFixed(1);
@@ -257,7 +250,8 @@
   const charts = panels.querySelectorAll("svg");
   const legend = document.createElement("p");
   legend.className = "legend";
-  [["test", words.test], ["identified", words.model_as_identified], ["changed", words.model_as_set]].forEach(function (entry) {
+  const names = [["test", "test"], ["identified", "model as identified"], ["changed", "model as set"]];
+  names.forEach(function (entry) {
     const svg = shape(legend, "svg", { viewBox: "0 0 30 8", "aria-hidden": "true" });
     shape(svg, "path", { class: entry[0], d: "M1 4H29" });
     legend.append(entry[1] + " ");
@@ -274,27 +268,26 @@
     let is_changed = false;
     sliders.forEach(function (s) {
       const shown = Number(s.input.value);
-      s.output.textContent = String(shown).replace(".", words.decimal_mark) + " " + s.unit;
+      s.output.textContent = shown + " " + s.unit;
       s.input.setAttribute("aria-valuetext", s.output.textContent);
       if (shown !== s.start) { change[s.of] = shown * s.per; is_changed = true; }
     });
     const result = is_changed ? integrate(change) : original;
     const stops = result !== null && result.time !== null;
-    let answer = words.does_not_stop;
+    let answer = "The model does not stop.";
     if (stops) {
-      answer = fill(words.answer, {
-        crush: number(1e3 * result.crush, 1) + " mm", crush_change: percent(result.crush, original.crush),
-        time: number(1e3 * result.time, 1) + " ms", time_change: percent(result.time, original.time),
-        restitution: result.rebound === null ? ""
-          : fill(words.restitution, { value: number(Math.max(0, -result.rebound / change.speed), 3) }),
-        beyond: data.tested !== null && result.crush > 1.001 * data.tested ? words.beyond : "",
-      });
+      const crush = `${number(1e3 * result.crush, 1)} mm (${percent(result.crush, original.crush)})`;
+      const time = `${number(1e3 * result.time, 1)} ms (${percent(result.time, original.time)})`;
+      const restitution = result.rebound === null ? ""
+        : ", restitution " + number(Math.max(0, -result.rebound / change.speed), 3);
+      const is_beyond = data.tested !== null && result.crush > 1.001 * data.tested;
+      answer = `C ${crush} after ${time}${restitution}${is_beyond ? "; beyond the tested crush" : ""}.`;
       section.dataset.crush = result.crush;
       section.dataset.time = result.time;
     }
     section.querySelector(".answer").textContent = answer;
     if (result !== null) {
-      [[words.displacement, "mm", "x", data.displacement], [words.acceleration, "g", "a", data.acceleration]]
+      [["Displacement", "mm", "x", data.displacement], ["Acceleration", "g", "a", data.acceleration]]
         .forEach(function (p, i) {
           const curves = [{ name: "identified", points: points(original, p[2]) },
             { name: "changed", points: points(result, p[2]) }];
@@ -318,7 +311,9 @@
     update(false);
   }
   section.dataset.state = "ready";
-  state.textContent = words.state;
+  state.textContent = "As identified this page finds crush and time of the simulation again to 0.1 %. Stiffness and " +
+    "damping are shares of those identified. The acceleration is that of the model itself, the test’s is filtered. " +
+    "The address of the page keeps the sliders, to be sent.";
   window.addEventListener("hashchange", read);
   read();
 }());

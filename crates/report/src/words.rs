@@ -1,9 +1,9 @@
-//! Numbers with their units, names of metrics, and texts with their blanks filled in.
+//! Numbers with their units and names of metrics.
 
 use crate::drawing::numbers::{self, LONG_S, MILLI, NBSP, digits_of_interval};
-pub use crate::drawing::numbers::{at_most, decimals, signed, significant};
-
-use crate::phrases::PHRASES;
+pub use crate::drawing::numbers::{Rounding, at_most, decimals, signed, significant};
+use crumple_artifact::records::IntervalSourceV1;
+use crumple_signal::key_quantities::KeyQuantity;
 
 /// Name in a record, name where that is not the name of the record with blanks.
 const NAMES: [(&str, &str); 3] = [
@@ -44,6 +44,44 @@ pub fn quantity(value: f64, places: usize, unit: &str) -> String {
     with_unit(decimals(value, places), unit)
 }
 
+/// A value in SI by the digits that its interval supports, if it has one, and with so many decimals at most: `749 mm`,
+/// `700 mm` of 500 to 900. `shown`: factor to the unit, decimals, unit.
+pub fn rounded(value: f64, ends: Option<(f64, f64)>, shown: (f64, usize, &str)) -> String {
+    with_unit(rounding(ends, shown).show(shown.0 * value), shown.2)
+}
+
+/// Ends of an interval or of a spread, SI, rounded as the value: `741 to 759`.
+pub fn ends((low, high): (f64, f64), interval: Option<(f64, f64)>, shown: (f64, usize, &str)) -> String {
+    let [low, high] = [low, high].map(|end| rounding(interval, shown).show(shown.0 * end));
+    between(&low, &high)
+}
+
+/// `750 mm (90 %: 741 to 759)`.
+pub fn with_interval(
+    value: f64,
+    interval: Option<(f64, f64)>,
+    source: Option<IntervalSourceV1>,
+    quantity: &KeyQuantity,
+) -> String {
+    let number = rounded(value, interval, quantity.shown());
+    let Some((low, high)) = interval else { return number };
+    let level = level(source.and_then(IntervalSourceV1::level_percent));
+    format!("{number} ({level}{})", ends((low, high), interval, quantity.shown()))
+}
+
+fn rounding(interval: Option<(f64, f64)>, (factor, places, _): (f64, usize, &str)) -> Rounding {
+    Rounding::of_quantity(interval.map(|(low, high)| (factor * low, factor * high)), places)
+}
+
+/// A value in SI and its interval in the unit people use, with the digits that the interval supports: `749.9 mm` and
+/// `741.2 to 759.3 mm`.
+pub fn value_and_range(value: f64, (low, high): (f64, f64), si: &str) -> [String; 2] {
+    let (factor, unit) = numbers::unit(si);
+    let rounding = Rounding::of_interval(factor * low, factor * high).unwrap_or(Rounding::WITHOUT_INTERVAL);
+    let [value, low, high] = [value, low, high].map(|number| rounding.show(factor * number));
+    [with_unit(value, unit), with_unit(between(&low, &high), unit)]
+}
+
 /// A deviation with its sign and its unit.
 pub fn deviation(value: f64, places: usize, unit: &str) -> String {
     with_unit(signed(value, places), unit)
@@ -66,12 +104,12 @@ pub fn times(from_s: f64, to_s: f64) -> String {
 
 /// `low to high`.
 pub fn between(low: &str, high: &str) -> String {
-    format!("{low} {} {high}", PHRASES.page.to)
+    format!("{low} to {high}")
 }
 
 /// `90 %: ` before an interval; nothing where it has no level.
 pub fn level(percent: Option<u8>) -> String {
-    percent.map_or_else(String::new, |percent| fill(PHRASES.conclusion.level, &[("percent", percent.to_string())]))
+    percent.map_or_else(String::new, |percent| format!("{percent}{NBSP}%: "))
 }
 
 /// Name of a metric or a measured quantity: `peak_acceleration` is "peak acceleration", `hic15` by its trade name
@@ -89,28 +127,24 @@ pub fn with_unit(number: String, unit: &str) -> String {
     if unit.is_empty() { number } else { format!("{number}{NBSP}{unit}") }
 }
 
-/// Puts texts in the place of `{name}`. A name without a text leaves nothing.
-pub fn fill<T: AsRef<str>>(template: &str, texts: &[(&str, T)]) -> String {
-    let mut out = String::with_capacity(2 * template.len());
-    let mut rest = template;
-    while let Some((before, behind)) = rest.split_once('{') {
-        let (name, behind) = behind.split_once('}').unwrap_or((behind, ""));
-        out.push_str(before);
-        out.push_str(texts.iter().find(|(other, _)| *other == name).map_or("", |(_, text)| text.as_ref()));
-        rest = behind;
-    }
-    out.push_str(rest);
-    out
-}
-
 /// `is` behind 1, `are` behind any other count.
 pub fn verb(count: usize) -> &'static str {
-    if count == 1 { PHRASES.conclusion.is } else { PHRASES.conclusion.are }
+    if count == 1 { "is" } else { "are" }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crumple_signal::key_quantities::CRUSH;
+
+    #[test]
+    fn a_key_number_and_its_interval_end_at_one_place() {
+        let crush = |value, low, high| with_interval(value, Some((low, high)), None, &CRUSH);
+        assert_eq!(crush(0.7499, 0.7412, 0.7593), "750\u{a0}mm (741 to 759)");
+        assert_eq!(crush(0.7439, 0.5412, 0.9593), "740\u{a0}mm (540 to 960)");
+        assert_eq!(with_interval(0.7499, None, None, &CRUSH), "750\u{a0}mm");
+        assert_eq!(ends((0.7311, 0.7522), Some((0.541, 0.959)), CRUSH.shown()), "730 to 750");
+    }
 
     #[test]
     fn numbers_carry_their_unit() {
@@ -118,11 +152,7 @@ mod tests {
         assert_eq!(times(0.0, 0.0741), "0.0 to 74.1 ms");
         assert_eq!(range(0.7412, 0.7593, "m"), "741.2 to 759.3\u{a0}mm");
         assert_eq!(range(0.75, 0.75, "1"), "0.7500 to 0.7500");
+        assert_eq!(value_and_range(0.7499, (0.7, 0.8), "m"), ["750\u{a0}mm", "700 to 800\u{a0}mm"]);
         assert_eq!((metric("delta_v"), metric("hic15")), ("delta v".to_owned(), "HIC15".to_owned()));
-    }
-
-    #[test]
-    fn names_are_replaced_and_texts_are_not_read_again() {
-        assert_eq!(fill("a {x} b {y}{z}.", &[("x", "{y}"), ("y", "2")]), "a {y} b 2.");
     }
 }
