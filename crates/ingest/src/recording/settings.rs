@@ -141,8 +141,7 @@ pub struct IngestSettings {
     /// unit: 10kHz. Default: uneven times are refused.
     #[arg(long, value_name = "RATE")]
     pub resample: Option<Frequency>,
-    /// Node of a simulation that stands for the car, by its id or words of its title; the mean of several by commas.
-    /// Default: the only one, or those whose titles name a place of the compartment.
+    /// Node of a simulation that stands for the car, by its id or words of its title. Default: the only one.
     #[arg(long, value_name = "ID|TITLE")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub node: Option<String>,

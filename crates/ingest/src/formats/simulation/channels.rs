@@ -1,18 +1,18 @@
 //! Histories as channels in SI on uniform grids, along the line of driving.
 
+use std::rc::Rc;
+
 use crumple_signal::{Axis, BARRIER, Channel, ChannelStatus, Notes, QuantityKind, Sampled};
 
 use crate::formats::simulation::history::{Kind, Member, derivative, quantity};
 use crate::formats::simulation::remarks::UnequalStates;
 use crate::recording::content::{Ids, ReadChannel};
 use crate::recording::unit_system::Units;
-use crate::time::{Grid, LinearInterpolation, on_grid};
+use crate::time::{Grid, LinearInterpolation, OnGrid, on_grid};
 use crate::{IngestSettings, Place, Result};
 
 /// Letters of the axes in names of columns.
 pub const AXES: [&str; 3] = ["x", "y", "z"];
-/// Distinct time axes that are kept: nodes share one.
-const GRIDS: usize = 8;
 
 /// The line of driving: which axis, and whether the model drives along (1) or against it (-1).
 #[derive(Debug, Clone, Copy)]
@@ -54,13 +54,14 @@ pub struct Channels<'a> {
     pub line: Line,
     pub found: Vec<ReadChannel>,
     ids: Ids,
-    grids: Vec<OwnGrid>,
+    /// The last one: nodes share it.
+    grid: Option<Rc<OwnGrid>>,
 }
 
 impl<'a> Channels<'a> {
     /// No channels yet.
     pub fn new(file: &'a str, settings: &'a IngestSettings, units: Option<Units>, line: Line) -> Self {
-        Self { file, settings, units, line, found: Vec::new(), ids: Ids::default(), grids: Vec::new() }
+        Self { file, settings, units, line, found: Vec::new(), ids: Ids::default(), grid: None }
     }
 
     /// The channels of a member. A node's acceleration is the derivative of its velocity where it has one; what the
@@ -74,18 +75,18 @@ impl<'a> Channels<'a> {
                 continue;
             }
             let shown = if velocity { format!("{name}_as_written") } else { name.clone() };
-            self.push(member, (name, &shown), values, own);
+            self.push(member, (name, &shown), values, &own);
             if let Some(axis) = name.strip_suffix("_velocity").filter(|_| member.kind == Kind::Node) {
                 let name = format!("{axis}_acceleration");
-                self.push(member, (&name, &name), &derivative(&member.times, values), own);
+                self.push(member, (&name, &name), &derivative(&member.times, values), &own);
             }
         }
         Ok(())
     }
 
     /// Adds a channel of values in the units of the file.
-    fn push(&mut self, member: &Member, (name, shown): (&str, &str), values: &[f64], own: usize) {
-        let OwnGrid { grid, interpolation, .. } = &self.grids[own];
+    fn push(&mut self, member: &Member, (name, shown): (&str, &str), values: &[f64], own: &OwnGrid) {
+        let OwnGrid { grid, interpolation, .. } = own;
         let samples = match interpolation {
             Some(interpolation) => interpolation.apply(values.len(), |k| values[k]),
             None => values.to_vec(),
@@ -102,9 +103,7 @@ impl<'a> Channels<'a> {
         let turn = if is_on_wall { values.iter().sum::<f64>().signum() } else { turn };
         // No -0.
         let samples: Vec<f64> = samples.into_iter().map(|x| turn * of_units * x + 0.0).collect();
-        let prefix = member.kind.word();
-        let id =
-            if member.id.is_empty() { format!("{prefix}.{shown}") } else { format!("{prefix}.{}.{shown}", member.id) };
+        let id = format!("{}.{shown}", member.name());
         let mut channel = Channel::new(self.ids.unique(&id), self.units.map_or(QuantityKind::Other, |_| kind));
         channel.axis = axis;
         channel.location = member.title.clone();
@@ -130,41 +129,27 @@ impl<'a> Channels<'a> {
     }
 
     /// The grid of a member's times; `None` with fewer than two states. States at unequal times are resampled.
-    fn grid(&mut self, member: &Member, notes: &mut Notes) -> Result<Option<usize>> {
-        let unit_s = self.units.map_or(1.0, |units| units.time_s);
+    fn grid(&mut self, member: &Member, notes: &mut Notes) -> Result<Option<Rc<OwnGrid>>> {
         if member.times.len() < 2 {
             return Ok(None);
         }
-        if let Some(known) = self.grids.iter().position(|own| own.times == member.times) {
-            return Ok(Some(known));
+        if let Some(known) = self.grid.as_ref().filter(|own| own.times == member.times) {
+            return Ok(Some(Rc::clone(known)));
         }
         // By division where that is exact: 20 ms are 0.02 s to the last bit.
+        let unit_s = self.units.map_or(1.0, |units| units.time_s);
         let inverse = (1.0 / unit_s).round();
         let times: Vec<f64> =
             member.times.iter().map(|t| if unit_s < 1.0 { t / inverse } else { t * unit_s }).collect();
         // As a list has it: at the median step where a solver could not hit its interval.
         let settings = IngestSettings { listing: true, resample: self.settings.resample, ..IngestSettings::default() };
-        let place = |_| Place::file(self.file).in_column(format!("{} {}", member.kind.word(), member.id));
-        let on_grid = on_grid(&times, resolution(&member.times) * unit_s, &settings, place)?;
-        if on_grid.interpolation.is_some() && !self.settings.listing {
-            let of = if member.id.is_empty() {
-                member.kind.word().to_owned()
-            } else {
-                format!("{} {}", member.kind.word(), member.id)
-            };
-            let words =
-                on_grid.words.replace(", as asked", if self.settings.resample.is_some() { ", as asked" } else { "" });
-            notes.push(UnequalStates { of, words });
+        let place = |_| Place::file(self.file).in_column(member.name());
+        let OnGrid { grid, interpolation, .. } = on_grid(&times, resolution(&member.times) * unit_s, &settings, place)?;
+        if interpolation.is_some() && !self.settings.listing {
+            notes.push(UnequalStates { of: member.name(), rate_hz: 1.0 / grid.dt_s });
         }
-        if self.grids.len() > GRIDS {
-            self.grids.truncate(1);
-        }
-        self.grids.push(OwnGrid {
-            times: member.times.clone(),
-            grid: on_grid.grid,
-            interpolation: on_grid.interpolation,
-        });
-        Ok(Some(self.grids.len() - 1))
+        let own = Rc::new(OwnGrid { times: member.times.clone(), grid, interpolation });
+        Ok(Some(Rc::clone(self.grid.insert(own))))
     }
 }
 
@@ -193,8 +178,7 @@ fn unit_of(powers: [i32; 3]) -> &'static str {
 pub fn mark_walls(channels: &mut [ReadChannel], walls: &[&Member]) {
     for read in channels.iter_mut().filter(|read| read.channel.quantity == QuantityKind::Force) {
         let is_of = |wall: &&&Member| {
-            read.channel.axis == Some(Axis::X)
-                && read.channel.id.starts_with(&format!("{}.{}.", wall.kind.word(), wall.id))
+            read.channel.axis == Some(Axis::X) && read.channel.id.starts_with(&format!("{}.", wall.name()))
         };
         if let Some(wall) = walls.iter().find(is_of) {
             let title = if wall.title.is_empty() { String::new() } else { format!(", {}", wall.title) };

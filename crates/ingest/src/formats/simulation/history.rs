@@ -50,6 +50,12 @@ impl Member {
         Self { kind, id: id.into(), title: title.into(), times: Vec::new(), columns: Vec::new() }
     }
 
+    /// First part of the ids of its channels: `node.7`, `model`.
+    pub fn name(&self) -> String {
+        let kind = self.kind.word();
+        if self.id.is_empty() { kind.to_owned() } else { format!("{kind}.{}", self.id) }
+    }
+
     /// A column.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         self.columns.iter().find(|(own, _)| own == name).map(|(_, values)| values.as_slice())
@@ -73,31 +79,19 @@ impl Member {
     /// Leaves out states that a restart wrote again (the later one counts), and columns that are not whole.
     fn finish(&mut self) {
         let states = self.times.len();
-        self.columns.retain(|(_, values)| values.len() == states);
-        let mut next = f64::INFINITY;
-        let mut kept: Vec<bool> = self
-            .times
-            .iter()
-            .rev()
-            .map(|time| {
-                let is_earlier = *time < next;
-                next = if is_earlier { *time } else { next };
-                is_earlier
-            })
-            .collect();
-        kept.reverse();
-        if kept.contains(&false) {
-            let filter = |values: &mut Vec<f64>| {
-                let mut k = 0;
-                values.retain(|_| {
-                    k += 1;
-                    kept[k - 1]
-                });
-            };
-            self.columns.iter_mut().for_each(|(_, values)| filter(values));
-            filter(&mut self.times);
+        self.columns.retain(|(_, values)| values.len() == states && values.iter().all(|value| value.is_finite()));
+        let mut kept: Vec<usize> = Vec::new();
+        for k in (0..states).rev() {
+            if kept.last().is_none_or(|next| self.times[k] < self.times[*next]) {
+                kept.push(k);
+            }
         }
-        self.columns.retain(|(_, values)| values.iter().all(|value| value.is_finite()));
+        kept.reverse();
+        if kept.len() < states {
+            let pick = |values: &mut Vec<f64>| *values = kept.iter().map(|k| values[*k]).collect();
+            self.columns.iter_mut().for_each(|(_, values)| pick(values));
+            pick(&mut self.times);
+        }
     }
 }
 

@@ -31,10 +31,6 @@ pub const GLOBALS: [&str; 15] = [
 /// Names of variables by their codes from 1: nodes; interfaces and walls.
 const OF_NODE: [&str; 9] = ["DX", "DY", "DZ", "VX", "VY", "VZ", "AX", "AY", "AZ"];
 const OF_WALL: [&str; 6] = ["FNX", "FNY", "FNZ", "FTX", "FTY", "FTZ"];
-/// Types of groups.
-const NODES: usize = 0;
-const INTERFACES: usize = 101;
-const WALLS: usize = 102;
 
 /// Whether a file starts with the record of a code and a title.
 pub fn recognises(head: &[u8]) -> bool {
@@ -79,34 +75,93 @@ fn title(record: &[u8], at: usize, length: usize) -> String {
     decode(bytes).trim_matches(|c: char| c.is_whitespace() || c == '\0').to_owned()
 }
 
-/// Elements of a group, each with the same variables.
-struct Group {
-    kind: Option<Kind>,
-    /// Ids and titles.
-    elements: Vec<(i32, String)>,
-    variables: usize,
-    /// Codes of the variables.
-    codes: Vec<i32>,
+/// What the numbers of a state are, and the histories they go on.
+pub struct Columns {
+    /// The whole model first.
+    pub members: Vec<Member>,
+    /// Member and column of each number; `None` for one that is not read.
+    places: Vec<Option<(usize, usize)>>,
+}
+
+impl Columns {
+    /// The whole model, without numbers yet.
+    pub fn new() -> Self {
+        Self { members: vec![Member::new(Kind::Global, "", "")], places: Vec::new() }
+    }
+
+    /// Adds a global by its name.
+    pub fn add_global(&mut self, name: &str) {
+        if GLOBALS.contains(&name) { self.place(0, name.to_owned()) } else { self.skip() }
+    }
+
+    /// Adds a variable of an element by its name: `VX`. Variables of one element follow each other.
+    pub fn add(&mut self, kind: Kind, (id, title): (&str, &str), variable: &str) {
+        let Some(name) = column_of(kind, variable) else { return self.skip() };
+        if self.members.last().is_none_or(|last| (last.kind, last.id.as_str()) != (kind, id)) {
+            self.members.push(Member::new(kind, id, title));
+        }
+        self.place(self.members.len() - 1, name);
+    }
+
+    /// Adds a number that is not read.
+    pub fn skip(&mut self) {
+        self.places.push(None);
+    }
+
+    fn place(&mut self, member: usize, name: String) {
+        let columns = &mut self.members[member].columns;
+        let column = columns.iter().position(|(own, _)| *own == name).unwrap_or(columns.len());
+        if column == columns.len() {
+            columns.push((name, Vec::new()));
+        }
+        self.places.push(Some((member, column)));
+    }
+
+    /// Adds a state. Numbers of one column are added: normal and tangential impulse of a wall.
+    pub fn push(&mut self, time: f64, numbers: impl Iterator<Item = f64>) {
+        for member in &mut self.members {
+            member.times.push(time);
+            member.columns.iter_mut().for_each(|(_, values)| values.push(0.0));
+        }
+        for (place, number) in self.places.iter().zip(numbers) {
+            let Some((member, column)) = place else { continue };
+            if let Some(sum) = self.members[*member].columns[*column].1.last_mut() {
+                *sum += number;
+            }
+        }
+    }
+}
+
+/// The column of a variable: `VX` of a node is `x_velocity`.
+fn column_of(kind: Kind, variable: &str) -> Option<String> {
+    let is_known = OF_NODE.contains(&variable) || OF_WALL.contains(&variable);
+    let (what, axis) = variable.split_at_checked(variable.len().checked_sub(1)?).filter(|_| is_known)?;
+    let what = match (what, kind) {
+        ("D", Kind::Node) => "displacement",
+        ("V", Kind::Node) => "velocity",
+        ("A", Kind::Node) => "acceleration",
+        ("FN" | "FT", Kind::Wall | Kind::Contact) => "impulse",
+        _ => return None,
+    };
+    Some(format!("{}_{what}", axis.to_lowercase()))
 }
 
 /// The description in front of the states.
 struct Header {
     title: String,
     units: Option<Units>,
-    globals: usize,
-    /// Numbers of a state of all parts, of all subsets.
-    of_parts: usize,
-    of_subsets: usize,
-    groups: Vec<Group>,
+    /// Numbers of the records of a state: time, globals, parts, subsets, then one a group.
+    sizes: Vec<usize>,
+    columns: Columns,
 }
 
 impl Header {
-    fn of(records: &mut Records<'_>) -> Result<Self, String> {
+    /// Reads it; `names` are those of T01_TITLES, of all variables of all elements.
+    fn of(records: &mut Records<'_>, mut names: impl Iterator<Item = String>) -> Result<Self, String> {
         let room = records.bytes.len() / 4;
         let mut next = |what: &str| records.next().ok_or_else(|| format!("it ends before {what}"));
         let first = next("its code")?;
-        let code = count(first, 0)?;
-        let mut length = match code {
+        let mut length = match count(first, 0)? {
             3050.. => 100,
             3041..=3049 => 80,
             _ => 40,
@@ -130,10 +185,10 @@ impl Header {
         if globals > 0 {
             next("the numbers of its globals")?;
         }
-        let (mut of_parts, mut of_subsets) = (0, 0);
+        let mut sizes = vec![1, globals, 0, 0];
         for _ in 0..parts {
             let variables = count(next("its parts")?, 4 + length + 12)?;
-            of_parts += variables;
+            sizes[2] += variables;
             if variables > 0 {
                 next("the variables of its parts")?;
             }
@@ -143,67 +198,44 @@ impl Header {
         }
         for _ in 0..subsets {
             let record = next("its subsets")?;
-            of_subsets += count(record, 16)?;
+            sizes[3] += count(record, 16)?;
             for at in [8, 12, 16] {
                 if count(record, at)? > 0 {
                     next("the members of its subsets")?;
                 }
             }
         }
-        let mut found = Vec::new();
+        let mut columns = Columns::new();
+        for k in 0..globals.min(room) {
+            columns.add_global(GLOBALS.get(k).copied().unwrap_or_default());
+        }
         for _ in 0..groups {
             let record = next("its groups")?;
             let (elements, variables) = (count(record, 12)?, count(record, 16)?);
-            let kind = match count(record, 4)? {
-                NODES => Some(Kind::Node),
-                WALLS => Some(Kind::Wall),
-                INTERFACES => Some(Kind::Contact),
-                _ => None,
+            let (kind, table) = match count(record, 4)? {
+                0 => (Kind::Node, &OF_NODE[..]),
+                101 => (Kind::Contact, &OF_WALL[..]),
+                102 => (Kind::Wall, &OF_WALL[..]),
+                // Of others, such as springs, nothing is read.
+                _ => (Kind::Part, &[][..]),
             };
-            let mut group = Group { kind, elements: Vec::new(), variables, codes: Vec::new() };
-            for _ in 0..elements {
-                let record = next("the elements of its groups")?;
-                group.elements.push((whole(record, 0).unwrap_or(0), title(record, 4, length)));
-            }
-            if variables > 0 {
-                let record = next("the variables of its groups")?;
-                group.codes = (0..record.len() / 4).filter_map(|k| whole(record, 4 * k)).collect();
-            }
-            if group.codes.len() != variables || elements.saturating_mul(variables) > room {
+            let elements: Vec<&[u8]> = (0..elements).map(|_| next("elements of groups")).collect::<Result<_, _>>()?;
+            let codes = if variables > 0 { next("the variables of its groups")? } else { &[] };
+            sizes.push(elements.len().saturating_mul(variables));
+            let numbers = sizes[4..].iter().fold(0, |sum: usize, size| sum.saturating_add(*size));
+            if codes.len() != variables.saturating_mul(4) || numbers > room {
                 return Err("a group with other variables than it says, or more than it can hold".to_owned());
             }
-            found.push(group);
+            for element in elements {
+                let (id, title) = (whole(element, 0).unwrap_or(0).to_string(), title(element, 4, length));
+                for k in 0..variables {
+                    let code = whole(codes, 4 * k).and_then(|code| usize::try_from(code).ok()?.checked_sub(1));
+                    let of_code = || code.and_then(|code| table.get(code)).map_or("", |name| *name).to_owned();
+                    columns.add(kind, (&id, &title), &names.next().unwrap_or_else(of_code));
+                }
+            }
         }
-        Ok(Self { title: title(first, 4, 80), units, globals, of_parts, of_subsets, groups: found })
-    }
-
-    /// Names of all variables of all elements: of the titles, else by their codes.
-    fn names(&self, titles: Option<&[u8]>) -> Vec<Vec<String>> {
-        let text = titles.map(decode).unwrap_or_default();
-        let mut named = text.lines().skip(1).step_by(2).map(|name| name.trim().to_owned());
-        let of_code = |group: &Group, k: usize| {
-            let table: &[&str] = if group.kind == Some(Kind::Node) { &OF_NODE } else { &OF_WALL };
-            let code = group.codes.get(k).and_then(|code| usize::try_from(*code - 1).ok());
-            code.and_then(|code| table.get(code)).map_or_else(String::new, |name| (*name).to_owned())
-        };
-        let of_group = |group: &Group| {
-            let all = (0..group.elements.len()).flat_map(|_| 0..group.variables);
-            all.map(|k| named.next().unwrap_or_else(|| of_code(group, k))).collect()
-        };
-        self.groups.iter().map(of_group).collect()
-    }
-
-    /// The members with columns yet to be filled, and for each group those of its elements.
-    fn members(&self) -> (Vec<Member>, Vec<Vec<Option<usize>>>) {
-        let mut members = vec![Member::new(Kind::Global, "", "")];
-        let mut add = |group: &Group, (id, title): &(i32, String)| {
-            let kind = group.kind?;
-            members.push(Member::new(kind, id.to_string(), title.clone()));
-            Some(members.len() - 1)
-        };
-        let of_groups =
-            self.groups.iter().map(|group| group.elements.iter().map(|e| add(group, e)).collect()).collect();
-        (members, of_groups)
+        Ok(Self { title: title(first, 4, 80), units, sizes, columns })
     }
 }
 
@@ -217,106 +249,46 @@ pub fn read(file: &str, bytes: &[u8], titles: Option<&[u8]>) -> Result<Simulatio
         IngestError::content(file, found, "a whole T01 of OpenRadioss", hint)
     };
     let mut records = Records { bytes, at: 0 };
-    let header = Header::of(&mut records).map_err(refused)?;
-    let names = header.names(titles);
-    let (mut members, of_groups) = header.members();
-    let (mut states, mut until) = (0, 0.0);
-    while records.at < bytes.len() {
-        let Some(state) = State::of(&mut records, &header) else {
-            let files = file.to_owned();
-            let mut simulation = finished(header, members, states);
-            simulation.notes.push(EndMissing { files, states, until });
-            return if states == 0 { Err(refused("it has no whole state".to_owned())) } else { Ok(simulation) };
-        };
-        let globals = GLOBALS.iter().copied().zip(floats(state.globals));
-        members[0].push(state.time, globals);
-        for ((record, group), (of_group, names)) in
-            state.groups.iter().zip(&header.groups).zip(of_groups.iter().zip(&names))
-        {
-            for (k, member) in of_group.iter().enumerate() {
-                let Some(member) = member else { continue };
-                let from = k * group.variables;
-                let values = floats(record.get(4 * from..).unwrap_or_default()).take(group.variables);
-                let row = names[from..from + group.variables].iter().zip(values).filter(|(name, _)| is_read(name));
-                members[*member].push(state.time, row.map(|(name, value)| (name.as_str(), value)));
+    let titles = titles.map(decode).unwrap_or_default();
+    let names = titles.lines().skip(1).step_by(2).map(|name| name.trim().to_owned());
+    let Header { title, units, sizes, mut columns } = Header::of(&mut records, names).map_err(refused)?;
+    let mut simulation = Simulation { solver: "OpenRadioss".to_owned(), title, units, ..Simulation::default() };
+    let mut is_whole = true;
+    while is_whole && records.at < bytes.len() {
+        match state(&mut records, &sizes) {
+            Some(state) => {
+                let time = floats(state[0]).next().unwrap_or(0.0);
+                columns.push(time, floats(state[1]).chain(state[4..].iter().flat_map(|group| floats(group))));
             }
-        }
-        (states, until) = (states + 1, state.time);
-    }
-    if states == 0 { Err(refused("it has no state".to_owned())) } else { Ok(finished(header, members, states)) }
-}
-
-/// The records of a state.
-struct State<'a> {
-    time: f64,
-    globals: &'a [u8],
-    /// One a group, empty where it has no numbers.
-    groups: Vec<&'a [u8]>,
-}
-
-impl<'a> State<'a> {
-    /// The next state; `None` where it is not whole.
-    fn of(records: &mut Records<'a>, header: &Header) -> Option<Self> {
-        let mut of = |numbers: usize| match numbers {
-            0 => Some(&[][..]),
-            numbers => records.next().filter(|record| Some(record.len()) == numbers.checked_mul(4)),
-        };
-        let time = floats(of(1)?).next()?;
-        let globals = of(header.globals)?;
-        of(header.of_parts)?;
-        of(header.of_subsets)?;
-        let numbers = |group: &Group| group.elements.len().checked_mul(group.variables);
-        let groups = header.groups.iter().map(|group| of(numbers(group)?)).collect::<Option<_>>()?;
-        Some(Self { time, globals, groups })
-    }
-}
-
-fn finished(header: Header, mut members: Vec<Member>, states: usize) -> Simulation {
-    members.iter_mut().for_each(rename);
-    let walls = forces_of_impulses(&mut members);
-    let contents = vec![format!("T01 ({states} states)")];
-    let Header { title, units, .. } = header;
-    let mut simulation =
-        Simulation { solver: "OpenRadioss".to_owned(), title, contents, members, units, ..Simulation::default() };
-    if !walls.is_empty() {
-        simulation.notes.push(FromImpulse { walls: list(&walls) });
-    }
-    simulation.finished()
-}
-
-/// Whether a variable of a node, a wall or an interface is read.
-pub fn is_read(name: &str) -> bool {
-    OF_NODE.contains(&name) || OF_WALL.contains(&name)
-}
-
-/// Gives columns their names: `VX` is `x_velocity`; normal and tangential impulses of a wall are added.
-pub fn rename(member: &mut Member) {
-    if member.kind == Kind::Global {
-        return;
-    }
-    let mut columns: Vec<(String, Vec<f64>)> = Vec::new();
-    for (name, values) in std::mem::take(&mut member.columns) {
-        let axis = name.chars().last().unwrap_or('x').to_ascii_lowercase();
-        let what = match (&name[..name.len().saturating_sub(1)], member.kind) {
-            ("D", Kind::Node) => "displacement",
-            ("V", Kind::Node) => "velocity",
-            ("A", Kind::Node) => "acceleration",
-            ("FN" | "FT", Kind::Wall | Kind::Contact) => "impulse",
-            _ => continue,
-        };
-        let name = format!("{axis}_{what}");
-        match columns.iter_mut().find(|(own, _)| *own == name) {
-            Some((_, sum)) => sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += value),
-            None => columns.push((name, values)),
+            None => is_whole = false,
         }
     }
-    member.columns = columns;
+    simulation.members = columns.members;
+    let times = &simulation.members[0].times;
+    let (states, Some(until)) = (times.len(), times.last().copied()) else {
+        return Err(refused("it has no whole state".to_owned()));
+    };
+    if !is_whole {
+        simulation.notes.push(EndMissing { files: file.to_owned(), states, until });
+    }
+    simulation.contents.push(format!("T01 ({states} states)"));
+    forces_of_impulses(&mut simulation);
+    Ok(simulation.finished())
 }
 
-/// Adds the forces to walls and contacts with impulses; returns which these are.
-pub fn forces_of_impulses(members: &mut [Member]) -> Vec<String> {
+/// The records of the next state; `None` where it is not whole.
+fn state<'a>(records: &mut Records<'a>, sizes: &[usize]) -> Option<Vec<&'a [u8]>> {
+    let mut record = |numbers: &usize| match numbers {
+        0 => Some(&[][..]),
+        numbers => records.next().filter(|record| Some(record.len()) == numbers.checked_mul(4)),
+    };
+    sizes.iter().map(&mut record).collect()
+}
+
+/// Adds the forces to walls and contacts with impulses, and says so.
+pub fn forces_of_impulses(simulation: &mut Simulation) {
     let mut walls = Vec::new();
-    for member in members.iter_mut().filter(|member| matches!(member.kind, Kind::Wall | Kind::Contact)) {
+    for member in &mut simulation.members {
         let derived = |(name, values): &(String, Vec<f64>)| {
             let axis = name.strip_suffix("_impulse")?;
             Some((format!("{axis}_force"), derivative(&member.times, values)))
@@ -327,5 +299,7 @@ pub fn forces_of_impulses(members: &mut [Member]) -> Vec<String> {
             member.columns.extend(forces);
         }
     }
-    walls
+    if !walls.is_empty() {
+        simulation.notes.push(FromImpulse { walls: list(&walls) });
+    }
 }

@@ -1,14 +1,15 @@
 //! A simulation as a record: units, the line of driving, the node, contact by the wall, mass and speed.
+//!
+//! Channels are the walls, contacts, energies, the node of the car and nodes with a title; parts in a list only.
 
 use crumple_signal::{Notes, QuantityKind};
 
 use crate::error::Question;
 use crate::formats::simulation::channels::{AXES, Channels, Line, mark_walls};
 use crate::formats::simulation::history::{Kind, Member, Simulation, integral};
-use crate::formats::simulation::nodes::{self, Choice, describe};
+use crate::formats::simulation::nodes;
 use crate::formats::simulation::remarks::{
-    Aliased, MassOfModel, NoWall, NodesLeftOut, NodesTaken, OtherAxes, Simulated, StartMissing, Turned, Undersampled,
-    UnitsDoubted, UnitsOfModel,
+    Aliased, NoWall, Simulated, StartMissing, Turned, Undersampled, UnitsDoubted, UnitsOfModel,
 };
 use crate::recording::content::{Fitness, PulseRule, Recording};
 use crate::recording::details::{Details, Stated};
@@ -22,10 +23,6 @@ const HIT: f64 = 0.01;
 /// Integral of the acceleration off the velocity, m/s; impulse off the momentum, as a part.
 const ALIASED_M_PER_S: f64 = 0.1;
 const UNDERSAMPLED: f64 = 0.02;
-/// Way off the displacement: as a part and m.
-const OTHER_WAY: (f64, f64) = (0.02, 0.005);
-/// More nodes than this are channels only where they have a title.
-const NODES: usize = 32;
 
 /// The record of a simulation.
 ///
@@ -33,60 +30,51 @@ const NODES: usize = 32;
 /// Units that nothing states, with the system that fits; a node that cannot be chosen; no node.
 pub fn recording(file: &str, mut simulation: Simulation, settings: &IngestSettings) -> Result<Recording> {
     let mut notes = std::mem::take(&mut simulation.notes);
-    notes.push(Simulated { solver: simulation.solver.clone(), contents: simulation.contents.join("; ") });
-    let none = || Choice { nodes: Vec::new(), why: "", others: None };
-    let choice = match nodes::choose(file, &simulation, settings) {
-        Err(_) if settings.listing => none(),
-        choice => choice?,
-    };
-    let node = of_all(file, &mut simulation, &choice)?;
+    let contents = simulation.contents.join("; ");
+    notes.push(Simulated { solver: simulation.solver.clone(), contents: contents.clone() });
+    let choice = nodes::choose(file, &simulation, settings);
+    let node = choice.as_ref().ok().copied().flatten();
     let (line, speed) = line(&simulation, node, settings);
     let mass = mass(&simulation);
     let end = simulation.members.iter().filter_map(|member| member.times.last()).copied().reduce(f64::max);
-    let evidence = Evidence { end, speed: Some(speed).filter(|v| *v > 0.0), mass: mass.as_ref().map(|(m, _)| *m) };
+    let evidence = Evidence { end, speed: Some(speed).filter(|v| *v > 0.0), mass: mass.map(|(mass, _)| mass) };
     let units = units(file, &simulation, evidence, settings, &mut notes)?;
-    if node.is_none() && !settings.listing && settings.allow_missing != Some(true) {
+    if !settings.listing && choice?.is_none() && settings.allow_missing != Some(true) {
         return refuse_channel(file, NO_NODE, "the motion of a node (nodout, /TH/NODE)", NO_NODE_HINT);
     }
-    let mut details = Details {
-        facts: vec![format!("simulation by {}: {}", simulation.solver, simulation.contents.join("; "))],
-        ..Details::default()
-    };
-    if !simulation.title.is_empty() {
-        details.title = Some(Stated { value: simulation.title.clone(), from: file.to_owned() });
-    }
+    let facts = vec![format!("simulation by {}: {contents}", simulation.solver)];
+    let title = Some(simulation.title.clone()).filter(|title| !title.is_empty());
+    let title = title.map(|value| Stated { value, from: file.to_owned() });
+    let mut details = Details { title, facts, ..Details::default() };
     let walls = walls(&simulation, line, settings);
     if let Some(units) = units {
-        if let Some((mass, from)) = &mass {
-            let value = mass * units.mass_kg;
-            if settings.mass.is_none() {
-                notes.push(MassOfModel { mass_kg: value, from: (*from).to_owned() });
-            }
-            details.mass_kg = Some(Stated { value, from: (*from).to_owned() });
-        }
+        details.mass_kg = mass.map(|(mass, from)| Stated { value: mass * units.mass_kg, from: from.to_owned() });
         if let Some(node) = node {
-            let words =
-                choice.nodes.iter().map(|k| describe(&simulation.members[*k])).collect::<Vec<_>>().join(" and ");
-            notes.push(NodesTaken { nodes: words, why: choice.why, others: choice.others });
             let motion = Motion { node: &simulation.members[node], units, line };
             motion.check(&mut notes);
             motion.settle(&walls, &mut details, &mut notes);
         }
-        check_impulse(&simulation, &walls, line, units, mass.as_ref().map(|(mass, _)| *mass), &mut notes);
+        check_impulse(&simulation, &walls, line, units, mass.map(|(mass, _)| mass), &mut notes);
     }
     let mut channels = Channels::new(file, settings, units, line);
-    let is_listed = emitted(&simulation, &choice.nodes, node, settings, &mut notes);
-    for (k, member) in simulation.members.iter().enumerate().filter(|(k, _)| is_listed[*k]) {
-        channels.add(member, choice.nodes.contains(&k) || Some(k) == node, &mut notes)?;
+    for (k, member) in simulation.members.iter().enumerate() {
+        let is_car = Some(k) == node;
+        let is_channel = match member.kind {
+            Kind::Node => is_car || !member.title.is_empty(),
+            Kind::Part => false,
+            _ => true,
+        };
+        if is_channel || settings.listing {
+            channels.add(member, is_car, &mut notes)?;
+        }
     }
     let mut channels = channels.found;
     let of_walls: Vec<&Member> = if settings.wall.is_none() { walls } else { Vec::new() };
     mark_walls(&mut channels, &of_walls);
     let pulse = node.map(|node| format!("node.{}.{}_acceleration", simulation.members[node].id, AXES[line.axis]));
-    for read in &mut channels {
-        if pulse.as_ref() == Some(&read.channel.id) && read.channel.quantity == QuantityKind::Acceleration {
-            read.fitness = Fitness::of_only(QuantityKind::Acceleration, "the node of the car");
-        }
+    if let Some(read) = channels.iter_mut().find(|read| pulse.as_ref() == Some(&read.channel.id)) {
+        let why = if settings.node.is_some() { "the node of --node" } else { "the only node" };
+        read.fitness = Fitness::of_only(QuantityKind::Acceleration, why);
     }
     Ok(Recording { details, channels, pulse_rule: PulseRule::OnlyOne, contact_at_zero: false, notes })
 }
@@ -95,39 +83,15 @@ const NO_NODE: &str = "no node is in it (no nodout, no /TH/NODE): no motion, so 
 const NO_NODE_HINT: &str =
     "give the folder with the file that has nodout; --allow-missing reads forces and energies alone";
 
-/// The node that stands for all that were chosen: the one, or a new one with their mean.
-fn of_all(file: &str, simulation: &mut Simulation, choice: &Choice) -> Result<Option<usize>> {
-    let members: Vec<&Member> = choice.nodes.iter().map(|k| &simulation.members[*k]).collect();
-    let (first, others) = match members.as_slice() {
-        [] => return Ok(None),
-        [_] => return Ok(choice.nodes.first().copied()),
-        [first, others @ ..] => (*first, others),
-    };
-    if others.iter().any(|other| other.times != first.times) {
-        return refuse_channel(file, "nodes with other times than each other", "one node", "name one by --node");
-    }
-    let ids: Vec<&str> = members.iter().map(|member| member.id.as_str()).collect();
-    let mut mean = Member::new(Kind::Node, ids.join("-"), "mean of nodes");
-    mean.times.clone_from(&first.times);
-    for (name, values) in &first.columns {
-        let columns: Option<Vec<&[f64]>> = others.iter().map(|other| other.column(name)).collect();
-        let Some(columns) = columns else { continue };
-        let sum = |k: usize| values[k] + columns.iter().map(|other| other[k]).sum::<f64>();
-        let values = (0..values.len()).map(|k| sum(k) / members.len() as f64).collect();
-        mean.columns.push((name.clone(), values));
-    }
-    simulation.members.push(mean);
-    Ok(Some(simulation.members.len() - 1))
-}
-
 /// The line of driving, along the axis of `--axis`, else that of the largest speed at the start; and that speed, in the
-/// units of the file, 0 where nothing has one.
+/// units of the file, 0 where nothing has one: of the node, the model or the first node.
 fn line(simulation: &Simulation, node: Option<usize>, settings: &IngestSettings) -> (Line, f64) {
     let at_start = |axis: &str| {
-        let of_node = node.and_then(|node| simulation.members[node].column(&format!("{axis}_velocity")));
-        let of_model =
-            || simulation.of(Kind::Global).find_map(|model| model.column(&format!("global_{axis}_velocity")));
-        of_node.or_else(of_model).and_then(|values| values.first().copied()).unwrap_or(0.0)
+        let name = format!("{axis}_velocity");
+        let of_node = node.and_then(|node| simulation.members[node].column(&name));
+        let of_model = || simulation.of(Kind::Global).find_map(|model| model.column(&format!("global_{name}")));
+        let of_first = || simulation.of(Kind::Node).find_map(|node| node.column(&name));
+        of_node.or_else(of_model).or_else(of_first).and_then(|values| values.first().copied()).unwrap_or(0.0)
     };
     let speeds = AXES.map(at_start);
     let fastest = (0..3).fold(0, |best, k| if speeds[k].abs() > speeds[best].abs() { k } else { best });
@@ -223,29 +187,17 @@ impl Motion<'_> {
         self.units.length_m / self.units.time_s
     }
 
-    /// Says where acceleration or displacement as written do not fit the velocity.
+    /// Says where the acceleration as written does not fit the velocity.
     fn check(&self, notes: &mut Notes) {
         let Some(velocity) = self.column("velocity").filter(|v| !v.is_empty()) else { return };
-        let (times, node) = (&self.node.times, self.node.id.clone());
-        if let Some(acceleration) = self.column("acceleration") {
-            let of: Vec<f64> = integral(times, acceleration).iter().map(|dv| velocity[0] + dv).collect();
-            let off = of.iter().zip(velocity).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) * self.m_per_s();
-            if off > ALIASED_M_PER_S {
-                let end = |values: &[f64]| self.line.sign * self.m_per_s() * values.last().copied().unwrap_or(0.0);
-                let (integral_m_per_s, velocity_m_per_s) = (end(&of), end(velocity));
-                notes.push(Aliased { node: node.clone(), largest_m_per_s: off, integral_m_per_s, velocity_m_per_s });
-            }
-        }
-        if let Some(displacement) = self.column("displacement") {
-            let way = integral(times, velocity);
-            let moved = |k: usize| displacement[k] - displacement[0];
-            let off = |k: usize| (moved(k) - way[k]).abs() * self.units.length_m;
-            let largest = (0..way.len()).map(|k| moved(k).abs() * self.units.length_m).fold(0.0, f64::max);
-            let worst = (0..way.len()).fold(0, |worst, k| if off(k) > off(worst) { k } else { worst });
-            if off(worst) > (OTHER_WAY.0 * largest).max(OTHER_WAY.1) {
-                let (displacement_m, way_m) = (moved(worst) * self.units.length_m, way[worst] * self.units.length_m);
-                notes.push(OtherAxes { node, displacement_m, way_m });
-            }
+        let Some(acceleration) = self.column("acceleration") else { return };
+        let of: Vec<f64> = integral(&self.node.times, acceleration).iter().map(|dv| velocity[0] + dv).collect();
+        let off = of.iter().zip(velocity).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) * self.m_per_s();
+        if off > ALIASED_M_PER_S {
+            let end = |values: &[f64]| self.line.sign * self.m_per_s() * values.last().copied().unwrap_or(0.0);
+            let (integral_m_per_s, velocity_m_per_s) = (end(&of), end(velocity));
+            let node = self.node.id.clone();
+            notes.push(Aliased { node, largest_m_per_s: off, integral_m_per_s, velocity_m_per_s });
         }
     }
 
@@ -344,27 +296,4 @@ fn check_impulse(
             (impulse.abs() * n_s, momentum.abs() * n_s, peak * n_s / units.time_s);
         notes.push(Undersampled { impulse_n_s, momentum_n_s, peak_n, state });
     }
-}
-
-/// Which members become channels: of many nodes those with a title; parts in a list only.
-fn emitted(
-    simulation: &Simulation,
-    chosen: &[usize],
-    node: Option<usize>,
-    settings: &IngestSettings,
-    notes: &mut Notes,
-) -> Vec<bool> {
-    let are_many = simulation.of(Kind::Node).count() > NODES && !settings.listing;
-    let is_emitted = |(k, member): (usize, &Member)| match member.kind {
-        Kind::Node => !are_many || !member.title.is_empty() || chosen.contains(&k) || node == Some(k),
-        Kind::Part => settings.listing,
-        _ => true,
-    };
-    let emitted: Vec<bool> = simulation.members.iter().enumerate().map(is_emitted).collect();
-    let is_node = |k: &usize| simulation.members[*k].kind == Kind::Node;
-    let left = (0..emitted.len()).filter(|k| is_node(k) && !emitted[*k]).count();
-    if left > 0 {
-        notes.push(NodesLeftOut { count: left });
-    }
-    emitted
 }

@@ -31,19 +31,8 @@ remarks! {
     remedy "check the units of the model; --units states another system"
     says format!("units {system} by {from} give {words}, which is no crash of a car; {fitting}");
 
-    /// The motion is that of these nodes.
-    CR173 NodesTaken { nodes: String, why: &'static str, others: Option<String> }
-    bears on (About::Pulse, Weight::None)
-    decided "--node names them; else those whose titles name a place of the compartment, or the only one."
-    means "Crush and deceleration are those of these nodes; of several their mean."
-    remedy "name another node by --node, by its id or its title"
-    says {
-        let others = others.as_ref().map_or_else(String::new, |others| format!("; others: {others}"));
-        format!("motion of node {nodes} ({why}){others}")
-    };
-
     /// The model moves against its axis and was turned.
-    CR174 Turned { axis: String, speed_m_per_s: f64 }
+    CR173 Turned { axis: String, speed_m_per_s: f64 }
     bears on (About::Pulse, Weight::None)
     decided "The velocity of the node at the start says where it drives to. Motions and forces are along that line."
     means "Speeds are positive and a deceleration is negative, as of a test."
@@ -53,7 +42,7 @@ remarks! {
     );
 
     /// The written acceleration does not fit the velocity.
-    CR175 Aliased { node: String, largest_m_per_s: f64, integral_m_per_s: f64, velocity_m_per_s: f64 }
+    CR174 Aliased { node: String, largest_m_per_s: f64, integral_m_per_s: f64, velocity_m_per_s: f64 }
     bears on (About::Pulse, Weight::None)
     decided "The integral of the written acceleration leaves the written velocity by more than 0.1 m/s. Accelerations \
              are of one time step: what is above half the output rate folds down."
@@ -65,7 +54,7 @@ remarks! {
     );
 
     /// The end of the result is missing.
-    CR176 EndMissing { files: String, states: usize, until: f64 }
+    CR175 EndMissing { files: String, states: usize, until: f64 }
     bears on (About::Record, Weight::Marked)
     decided "The last table of symbols or the last state is not whole: the run goes on or was stopped, or it is cut."
     means "States after this are missing: the car may not have stopped yet."
@@ -73,7 +62,7 @@ remarks! {
     says format!("{files} is cut: {states} states, the last at {until} in the units of the file");
 
     /// The force of the wall misses a part of its impulse.
-    CR177 Undersampled { impulse_n_s: f64, momentum_n_s: f64, peak_n: f64, state: usize }
+    CR176 Undersampled { impulse_n_s: f64, momentum_n_s: f64, peak_n: f64, state: usize }
     bears on (About::WallForce, Weight::Marked)
     decided "The integral of the force is compared with the change of the model's momentum; beyond 2 % it is said."
     means "A rigid wall takes the momentum of a node in one step: the output interval misses such spikes. Forces are \
@@ -89,7 +78,7 @@ remarks! {
     };
 
     /// Impulses were differentiated.
-    CR178 FromImpulse { walls: String }
+    CR177 FromImpulse { walls: String }
     bears on (About::WallForce, Weight::None)
     decided "OpenRadioss writes impulses for walls, interfaces and sections. Of a table the change of momentum tells \
              whether its columns are impulses or forces."
@@ -98,7 +87,7 @@ remarks! {
     says format!("impulse, not force, is written for {walls}: the force is its derivative");
 
     /// The model touches the wall in the first state.
-    CR179 StartMissing { wall: String }
+    CR178 StartMissing { wall: String }
     bears on (About::Time, Weight::Marked)
     decided "The force of the wall is above 0.5 % of its peak in the first state."
     means "The beginning of the crash is not in the record: crush and delta-v are lower bounds."
@@ -106,7 +95,7 @@ remarks! {
     says format!("the start is missing: wall {wall} has a force in the first state");
 
     /// No force of a wall is in the result.
-    CR180 NoWall {}
+    CR179 NoWall {}
     bears on (About::WallForce, Weight::None)
     decided "No rigid wall is in the output, or none has a force along the line of driving."
     means "Contact is taken from the deceleration. What gives way is told by deceleration only."
@@ -114,34 +103,15 @@ remarks! {
     says "no force of a wall is in it: contact and segments by deceleration only";
 
     /// States at unequal times were brought to equal ones.
-    CR181 UnequalStates { of: String, words: String }
+    CR180 UnequalStates { of: String, rate_hz: f64 }
     bears on (About::Time, Weight::None)
     decided "A solver writes a state at the first time step after an interval. Values are interpolated linearly."
     means "The error is an eighth of the step squared times the second derivative."
     remedy "nothing; --resample states another rate"
-    says format!("states of {of} are resampled {words}");
-
-    /// Nodes are left out.
-    CR182 NodesLeftOut { count: usize }
-    bears on (About::Record, Weight::None)
-    decided "Of more than 32 nodes only those with a title and those named by --node are channels."
-    means "The pulse is the same. --list prints them all."
-    remedy "name a node by --node to have it"
-    says format!("{count} nodes without a title are left out");
-
-    /// Displacement and velocity of a node disagree.
-    CR183 OtherAxes { node: String, displacement_m: f64, way_m: f64 }
-    bears on (About::Pulse, Weight::Decisive)
-    decided "The integral of the velocity is compared with the displacement; beyond 2 % of it and 5 mm it is said."
-    means "The node may be written in axes of its own body, as the first node of an accelerometer is."
-    remedy "name another node of the same place by --node"
-    says format!(
-        "node {node} moves by {displacement_m:.3} m, and its velocity gives {way_m:.3} m: it may be written in axes of \
-         its own"
-    );
+    says format!("states of {of} are at unequal times: resampled at {rate_hz:.1} Hz");
 
     /// Rows of a text are cut.
-    CR184 RowsCut { file: String, rows: usize }
+    CR181 RowsCut { file: String, rows: usize }
     bears on (About::Record, Weight::Slight)
     decided "A row of a state must hold all its numbers."
     means "These rows are left out: the run was stopped, or the file is cut."
@@ -149,18 +119,10 @@ remarks! {
     says format!("{rows} rows of {file} are not whole and left out");
 
     /// Forces or impulses, which is not known.
-    CR185 ForceOrImpulse { walls: String }
+    CR182 ForceOrImpulse { walls: String }
     bears on (About::WallForce, Weight::Slight)
     decided "Neither the last value nor the integral of the columns fits the change of momentum within 20 %."
     means "The columns are left out: an impulse is never taken for a force."
     remedy "give the T01 file itself with its T01_TITLES"
     says format!("force or impulse, which cannot be told, for {walls}: left out");
-
-    /// The mass is that of the simulation.
-    CR186 MassOfModel { mass_kg: f64, from: String }
-    bears on (About::Mass, Weight::None)
-    decided "The output states the mass, or twice the kinetic energy over the square of the first speed gives it."
-    means "It is the mass of all that moves, with added mass."
-    remedy "nothing; --mass states another"
-    says format!("mass {mass_kg:.1} kg by {from}");
 }

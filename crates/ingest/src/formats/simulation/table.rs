@@ -3,9 +3,9 @@
 //! Names may hold control characters and line feeds. There are always 15 names of globals, also where the file has 12:
 //! rows are then shorter. Without T01_TITLES a name ends in `var 47`, which says nothing.
 
-use crate::formats::simulation::history::{Kind, Member, Simulation, integral};
-use crate::formats::simulation::radioss::{GLOBALS, forces_of_impulses, is_read, rename};
-use crate::formats::simulation::remarks::{ForceOrImpulse, FromImpulse, RowsCut};
+use crate::formats::simulation::history::{Kind, Simulation, integral};
+use crate::formats::simulation::radioss::{Columns, GLOBALS, forces_of_impulses};
+use crate::formats::simulation::remarks::{ForceOrImpulse, RowsCut};
 use crate::formats::text::lines::{Lines, decode};
 use crate::recording::content::list;
 use crate::{Place, Result, refuse};
@@ -17,13 +17,10 @@ const COLUMN_LIMIT: usize = 1 << 14;
 /// Agreement of an impulse with the change of momentum.
 const AGREES: f64 = 0.2;
 
-/// Whether a file starts so.
+/// Whether a file starts with the names of globals, which th_to_csv always writes.
 pub fn recognises(head: &[u8]) -> bool {
-    head.starts_with(b"\"time\",\"INTERNAL ENERGY\"")
+    head.starts_with(b"\"time\",\"INTERNAL ENERGY\",\"KINETIC ENERGY\"")
 }
-
-/// A column that is read: of which member, under which name.
-type Column = Option<(usize, String)>;
 
 /// Reads a table.
 ///
@@ -40,7 +37,7 @@ pub fn read(file: &str, bytes: &[u8]) -> Result<Simulation> {
         return refuse(file, "names and no rows", "rows of numbers", AGAIN);
     };
     let fields = first.bytes.split(|b| *b == b',').count();
-    if names.len() == fields + 3 && names.len() > GLOBALS.len() {
+    if names.len() == fields + 3 && fields > 13 {
         // The file has no energies of contacts.
         names.drain(13..16);
     }
@@ -49,35 +46,28 @@ pub fn read(file: &str, bytes: &[u8]) -> Result<Simulation> {
             format!("{} names and {fields} fields of a row: th_to_csv wrote other names than columns", names.len());
         return refuse(Place::line(file, line), found, "as many names as fields", AGAIN);
     }
-    let nameless = names.iter().position(|name| is_nameless(name));
-    let (columns, mut members) = columns(&names);
+    let nameless: Vec<usize> = (0..names.len()).filter(|k| is_nameless(&names[*k])).collect();
+    if let [first, .., last] = nameless.as_slice() {
+        let found = format!(
+            "columns {} to {} are \"var {first}\" to \"var {last}\": it was made without T01_TITLES, and an impulse \
+             looks like a force",
+            first + 1,
+            last + 1
+        );
+        return refuse(file, found, "names of variables such as VX and FNX", AGAIN);
+    }
+    let mut columns = columns(&names);
     let mut cut = 0;
     while let Some(line) = lines.take()? {
         let text = String::from_utf8_lossy(line.bytes);
-        if text.trim().is_empty() {
-            continue;
-        }
         let numbers: Vec<f64> = text.split(',').map_while(|field| field.trim().parse().ok()).collect();
-        if numbers.len() != fields {
-            cut += 1;
-            continue;
-        }
-        members.iter_mut().for_each(|member| member.times.push(numbers[0]));
-        for (column, number) in columns.iter().zip(&numbers) {
-            let Some((member, name)) = column else { continue };
-            let of_member = &mut members[*member].columns;
-            match of_member.iter_mut().find(|(own, _)| own == name) {
-                Some((_, values)) => values.push(*number),
-                None => of_member.push((name.clone(), vec![*number])),
-            }
+        match numbers.as_slice() {
+            [time, numbers @ ..] if numbers.len() + 1 == fields => columns.push(*time, numbers.iter().copied()),
+            _ => cut += usize::from(!text.trim().is_empty()),
         }
     }
-    if let Some(k) = nameless {
-        return Err(without_names(file, k, &names[k], (&bytes[from..], &members[0])));
-    }
-    let states = members[0].times.len();
-    members.iter_mut().for_each(rename);
-    let contents = vec![format!("table of th_to_csv ({states} states)")];
+    let Columns { members, .. } = columns;
+    let contents = vec![format!("table of th_to_csv ({} states)", members[0].times.len())];
     let mut simulation = Simulation { solver: "OpenRadioss".to_owned(), contents, members, ..Simulation::default() };
     if cut > 0 {
         simulation.notes.push(RowsCut { file: file.to_owned(), rows: cut });
@@ -110,35 +100,30 @@ fn is_nameless(name: &str) -> bool {
     words.next().is_some_and(|word| word.parse::<u32>().is_ok()) && words.next() == Some("var")
 }
 
-/// What each column is, and the members without states.
-fn columns(names: &[String]) -> (Vec<Column>, Vec<Member>) {
-    let mut members = vec![Member::new(Kind::Global, "", "")];
-    let column = |(k, name): (usize, &String)| -> Column {
+/// What each column behind the time is.
+fn columns(names: &[String]) -> Columns {
+    let mut columns = Columns::new();
+    for name in names.iter().skip(1) {
         let global = name.trim().to_lowercase().replace([' ', '-'], "_");
-        if k > 0 && GLOBALS.contains(&global.as_str()) {
-            return Some((0, global));
+        if GLOBALS.contains(&global.as_str()) {
+            columns.add_global(&global);
+            continue;
         }
-        let group: String = name.chars().take(GROUP).collect();
         let rest: String = name.chars().skip(GROUP).collect();
         let words: Vec<&str> = rest.split_whitespace().collect();
-        let [id, title @ .., variable] = words.as_slice() else { return None };
-        id.parse::<u64>().ok().filter(|_| is_read(variable))?;
-        let title = title.join(" ");
-        let is_wall = format!("{group} {title}").to_lowercase();
+        let [id, title @ .., variable] = words.as_slice() else {
+            columns.skip();
+            continue;
+        };
+        let name = name.to_lowercase();
         let kind = match variable.starts_with('F') {
             false => Kind::Node,
-            true if is_wall.contains("wall") || is_wall.contains("barrier") => Kind::Wall,
+            true if name.contains("wall") || name.contains("barrier") => Kind::Wall,
             true => Kind::Contact,
         };
-        let known = members.iter().position(|member| member.kind == kind && member.id == *id);
-        let member = known.unwrap_or_else(|| {
-            members.push(Member::new(kind, *id, title));
-            members.len() - 1
-        });
-        Some((member, (*variable).to_owned()))
-    };
-    let columns = names.iter().enumerate().map(column).collect();
-    (columns, members)
+        columns.add(kind, (id, &title.join(" ")), variable);
+    }
+    columns
 }
 
 /// Walls of a table have forces or impulses: the change of momentum tells.
@@ -153,8 +138,7 @@ fn forces(simulation: &mut Simulation) {
     }
     let agrees = |impulse: f64| momentum != 0.0 && (impulse.abs() / momentum.abs() - 1.0).abs() < AGREES;
     if agrees(ends) {
-        let walls = forces_of_impulses(&mut simulation.members);
-        simulation.notes.push(FromImpulse { walls: list(&walls) });
+        forces_of_impulses(simulation);
         return;
     }
     let is_force = agrees(integrals);
@@ -175,28 +159,4 @@ fn forces(simulation: &mut Simulation) {
 /// First to last value.
 fn change(values: &[f64]) -> f64 {
     values.last().zip(values.first()).map_or(0.0, |(last, first)| last - first)
-}
-
-/// The refusal of names that say nothing, with the columns that are impulses by the change of momentum.
-fn without_names(file: &str, k: usize, name: &str, (rows, global): (&[u8], &Member)) -> crate::IngestError {
-    let words: Vec<&str> = name.split_whitespace().rev().take(2).collect();
-    let momentum = global.column("X-MOMENTUM").or(global.column("x_momentum")).map_or(0.0, change);
-    let last = rows.split(|b| *b == b'\n').rfind(|line| !line.trim_ascii().is_empty()).unwrap_or_default();
-    let last = String::from_utf8_lossy(last);
-    let near = |field: &str| {
-        let value: f64 = field.trim().parse().ok()?;
-        (momentum != 0.0 && (value.abs() / momentum.abs() - 1.0).abs() < 0.02).then_some(value)
-    };
-    let impulse = last.split(',').enumerate().skip(GLOBALS.len() + 1).find_map(|(at, field)| Some((at, near(field)?)));
-    let impulse = impulse.map_or_else(String::new, |(at, value)| {
-        format!("; var {at} ends at {value}, the change of momentum: an impulse, no force")
-    });
-    let found = format!(
-        "column {} is named \"{} {}\": its table was made without T01_TITLES{impulse}",
-        k + 1,
-        words[1],
-        words[0]
-    );
-    let hint = "give the T01 file itself, or write it with /TH/TITLE and convert it again beside its T01_TITLES";
-    crate::IngestError::content(file, found, "names of variables such as VX and FNX", hint)
 }
