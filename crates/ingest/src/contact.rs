@@ -4,8 +4,8 @@
 use crumple_metrics::{Beginning, CutRise, Onset, contact_edge, edr_start, onset, threshold_crossing};
 use crumple_signal::value::Time;
 use crumple_signal::{
-    About, Acceleration, Cfc, Class, Contact, Distribution, FilterSettings, Notes, STANDARD_GRAVITY_M_PER_S2, Sampled,
-    Signal, Spread, Uncertain, Weight, ZeroLevel, filter, remarks,
+    About, Acceleration, Cfc, Class, Contact, Distribution, FilterSettings, Notes, SIMULATED,
+    STANDARD_GRAVITY_M_PER_S2, Sampled, Signal, Spread, Uncertain, Weight, ZeroLevel, filter, remarks,
 };
 
 use crate::recording::content::Recording;
@@ -46,7 +46,10 @@ pub fn settle(
 ) -> Result<Option<Contact>> {
     let wave = pulse.and_then(|k| recording.channels[k].wave.clone());
     let begins = wave.as_ref().map(onset);
-    let stated_spread = settings.time_zero_uncertainty.map(spread);
+    // A simulation has no error of a trigger: contact lies between two states.
+    let sampling = wave.as_ref().filter(|_| SIMULATED.contains(&reader_format));
+    let sampling = sampling.map(|wave| Spread { size: wave.dt_s() / 2.0, distribution: Distribution::Uniform });
+    let stated_spread = sampling.or(settings.time_zero_uncertainty.map(spread));
     let contact = |rule: String, source_time_s: f64| Contact {
         rule,
         source_time_s,

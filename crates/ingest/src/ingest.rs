@@ -1,11 +1,12 @@
 //! From the files of a record to a test description, waveforms and their quality.
 
+use clap::ValueEnum as _;
 use crumple_artifact::records::{DamageV1, VehicleV1};
 use crumple_metrics::{Exchange, Plausibility, plausibility};
 use crumple_signal::value::Time;
 use crumple_signal::{
-    About, Channel, KindOfTest, Notes, Source, TestDescription, TestKind, Weight, is_mass_of_a_vehicle, part_of,
-    remarks,
+    About, Channel, KindOfTest, Notes, SIMULATED, Source, TestDescription, TestKind, Weight, is_mass_of_a_vehicle,
+    part_of, remarks,
 };
 
 use crate::checks::exchanges::Answer;
@@ -13,7 +14,6 @@ use crate::checks::{channel_quality, exchanges};
 use crate::error::{Question, Refusal};
 use crate::files::open;
 use crate::formats::reader::{Bundle, Reader, stem};
-use crate::formats::simulation;
 use crate::pulse::Polarity;
 use crate::recording::content::{ReadChannel, Recording, Wave};
 use crate::recording::details::{self, Details, Stated};
@@ -91,7 +91,9 @@ fn everything_asked(bundle: &Bundle, flags: &IngestSettings, error: IngestError)
             Question::Unit => supposed.unit = Some("g".to_owned()),
             Question::Channel(id) => supposed.channel = Some(id),
             Question::Node(id) => supposed.node = Some(id.into()),
-            Question::Units(system) => supposed.units = system.map_or(Some(UnitSystem::MmMsKg), UnitSystem::of_name),
+            Question::Units(system) => {
+                supposed.units = UnitSystem::from_str(system.unwrap_or("mm-ms-kg"), false).ok();
+            }
         }
         let Err(later) = read(bundle, &supposed) else { break };
         let is_new = std::iter::once(&error).chain(&next).all(|before| before.question != later.question);
@@ -162,7 +164,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
         let missing = (allow_missing, is_of_a_crash(&recording.details, &choices));
         (pulse::choose_pulse(file, &recording, choices.channel.as_deref(), missing, &mut notes)?, None)
     };
-    if !simulation::is_simulated(reader.format) {
+    if !SIMULATED.contains(&reader.format) {
         check_samples(file, &recording, pulse.or(velocity), &mut notes)?;
     }
 
@@ -207,7 +209,7 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
     if pulse.is_some() || recording.details.no_pulse || is_of_a_crash(&recording.details, &choices) {
         missing_details(&recording.details, reader.has_comments, (is_of_occupant, certain), from_rest, &mut notes);
     }
-    if !simulation::is_simulated(reader.format) {
+    if !SIMULATED.contains(&reader.format) {
         channel_quality::check(&waves, pulse_id.as_deref(), speed, polarity, &mut notes);
     }
     let pulse_id = pulse_id.or(velocity.map(|k| recording.channels[k].channel.id.clone()));

@@ -1,10 +1,10 @@
 //! The table of channels of a record, without choosing a pulse.
 
+use crumple_signal::SIMULATED;
 use serde::Serialize;
 
 use crate::files::open;
 use crate::formats::reader::Bundle;
-use crate::formats::simulation::is_simulated;
 use crate::recording::content::ReadChannel;
 use crate::recording::details::Details;
 use crate::recording::settings::select;
@@ -113,6 +113,6 @@ pub fn list_with_facts(bundle: &Bundle, flags: &IngestSettings) -> Result<(Vec<L
     listed.sort_by_key(|channel| !channel.has_data());
     let Details { mut facts, title, .. } = recording.details;
     facts.extend(title.map(|title| title.value));
-    facts.retain(|_| is_simulated(bundle.reader.format));
+    facts.retain(|_| SIMULATED.contains(&bundle.reader.format));
     Ok((listed, facts))
 }

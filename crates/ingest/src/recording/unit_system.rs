@@ -20,33 +20,27 @@ pub enum UnitSystem {
     MmMsG,
 }
 
+/// Systems with their names and units: m, s, kg.
+const SYSTEMS: [(UnitSystem, &str, [f64; 3]); 4] = [
+    (UnitSystem::MmMsKg, "mm-ms-kg", [1e-3, 1e-3, 1.0]),
+    (UnitSystem::MmST, "mm-s-t", [1e-3, 1.0, 1e3]),
+    (UnitSystem::MSKg, "m-s-kg", [1.0, 1.0, 1.0]),
+    (UnitSystem::MmMsG, "mm-ms-g", [1e-3, 1e-3, 1e-3]),
+];
+
 impl UnitSystem {
     /// All systems.
     pub const ALL: [Self; 4] = [Self::MmMsKg, Self::MmST, Self::MSKg, Self::MmMsG];
 
     /// `mm-ms-kg`.
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::MmMsKg => "mm-ms-kg",
-            Self::MmST => "mm-s-t",
-            Self::MSKg => "m-s-kg",
-            Self::MmMsG => "mm-ms-g",
-        }
-    }
-
-    /// The system of a name.
-    pub fn of_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|system| system.name() == name)
+        SYSTEMS[self as usize].1
     }
 
     /// Its units in SI.
     pub const fn units(self) -> Units {
-        match self {
-            Self::MmMsKg => Units { length_m: 1e-3, time_s: 1e-3, mass_kg: 1.0 },
-            Self::MmST => Units { length_m: 1e-3, time_s: 1.0, mass_kg: 1e3 },
-            Self::MSKg => Units { length_m: 1.0, time_s: 1.0, mass_kg: 1.0 },
-            Self::MmMsG => Units { length_m: 1e-3, time_s: 1e-3, mass_kg: 1e-3 },
-        }
+        let [length_m, time_s, mass_kg] = SYSTEMS[self as usize].2;
+        Units { length_m, time_s, mass_kg }
     }
 }
 

@@ -13,7 +13,6 @@ use crumple_artifact::{Artifact, JsonForm};
 use crate::fuzz::plausible::run_chain;
 use crate::fuzz::tampering::{Dice, mutate, tamper};
 use crate::places::{shared, workspace};
-use crate::records::simulated;
 
 /// What a campaign does.
 #[derive(Debug, Clone)]
@@ -36,8 +35,12 @@ struct Corpus {
     run: Vec<PathBuf>,
 }
 
+/// Sets of simulations: binout, texts and curves of LS-DYNA, T01 and its tables.
+const SIMULATIONS: [&str; 3] =
+    ["s1-same-car", "s2-middle-of-the-front-too-stiff", "s3-openradioss-engine-mount-too-soft"];
+
 impl Corpus {
-    fn new(folder: &Path) -> Result<Self, String> {
+    fn new() -> Self {
         let fixtures = workspace().join("fixtures");
         let mut records: Vec<PathBuf> =
             ["kelvin", "double"].iter().map(|name| fixtures.join(name).join("crash.csv")).collect();
@@ -47,36 +50,19 @@ impl Corpus {
         let run: Vec<PathBuf> = stages.iter().map(|stage| golden.join(format!("{stage}.mcap"))).collect();
         records.push(run[0].clone());
         let folders = [Some(workspace().join("fuzz/corpus/record")), shared("reference/hostile")];
-        records.extend(folders.into_iter().flatten().flat_map(|folder| {
+        let folders = folders.into_iter().flatten().map(|folder| (folder, 100_000));
+        let simulations =
+            SIMULATIONS.into_iter().filter_map(|set| Some((shared("reference/simulation")?.join(set), 2_000_000)));
+        records.extend(folders.chain(simulations).flat_map(|(folder, most)| {
             let files = fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
             let mut files: Vec<PathBuf> =
-                files.filter(|file| file.metadata().is_ok_and(|m| m.len() < 100_000)).map(|file| file.path()).collect();
+                files.filter(|file| file.metadata().is_ok_and(|m| m.len() < most)).map(|file| file.path()).collect();
             files.sort();
             files
         }));
         records.retain(|path| path.is_file());
-        records.extend(made(folder)?);
-        Ok(Self { records, run })
+        Self { records, run }
     }
-}
-
-/// Files of a simulation of known motion, written into a folder.
-fn made(folder: &Path) -> Result<Vec<PathBuf>, String> {
-    let folder = folder.join("made");
-    let error = |error: std::io::Error| format!("{}: {error}", folder.display());
-    fs::create_dir_all(&folder).map_err(error)?;
-    let files: [(&str, Vec<u8>); 5] = [
-        ("little.binout", simulated::binout(true)),
-        ("big.binout", simulated::binout(false)),
-        ("nodout", simulated::nodout().into_bytes()),
-        ("rwforc", simulated::rwforc().into_bytes()),
-        ("MADET01", simulated::t01()),
-    ];
-    let write = |(name, bytes): (&str, Vec<u8>)| {
-        let path = folder.join(name);
-        fs::write(&path, bytes).map(|()| path).map_err(error)
-    };
-    files.into_iter().map(write).collect()
 }
 
 /// Files of each sort for every record that goes through the whole chain.
@@ -90,8 +76,8 @@ const FILES_OF_A_CHAIN: u64 = 10;
 /// # Errors
 /// Of the disk, in words.
 pub fn run_campaign(campaign: &Campaign, tell: &mut dyn FnMut(String)) -> Result<[Tally; 3], String> {
+    let corpus = Corpus::new();
     fs::create_dir_all(&campaign.folder).map_err(|error| format!("{}: {error}", campaign.folder.display()))?;
-    let corpus = Corpus::new(&campaign.folder)?;
     let [mut of_files, mut of_artifacts, mut of_chains] = [Tally::default(), Tally::default(), Tally::default()];
     for number in campaign.first..campaign.first + campaign.files {
         for (sort, tally) in [&mut of_files, &mut of_artifacts].into_iter().enumerate() {
@@ -187,7 +173,7 @@ fn mutated(corpus: &Corpus, dice: &mut Dice) -> Result<Trial, String> {
             let flags = *dice.one_of(&[
                 "",
                 " --list",
-                " --units mm-ms-kg --node 7",
+                " --units mm-ms-kg --node 1000001",
                 " --mass 900kg --impact-speed 50km/h",
                 " --field a.b --unit g",
             ]);

@@ -3,7 +3,7 @@
 //! Titles belong to `legend_ids`, which has another order and another count than `ids`. Times are those of the
 //! variable `time`: states are not equidistant.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::formats::simulation::history::{Kind, Member, Simulation};
 use crate::formats::simulation::lsda::Tree;
@@ -42,18 +42,12 @@ pub fn read(files: &[(&str, &[u8])]) -> Result<Simulation> {
     let main = files.first().map_or("binout", |(name, _)| name);
     let size: usize = files.iter().map(|(_, bytes)| bytes.len()).sum();
     let mut simulation = Simulation::default();
-    let roots: Vec<String> = {
-        let tops = tree.folders().filter_map(|path| path.split('/').nth(1)).filter(|top| !top.is_empty());
-        let mut tops: Vec<String> = tops.map(str::to_owned).collect();
-        tops.dedup();
-        tops
-    };
+    let mut others: BTreeSet<&str> = tree.folders().filter_map(|path| path.split('/').nth(1)).collect();
     for (folder, metadata, kind) in FOLDERS {
-        let states = tree.states(folder);
         let members = members(main, &tree, (folder, metadata, kind), size)?;
-        if !states.is_empty() || tree.folders().any(|path| path == metadata) {
-            let what = if members.is_empty() { "nothing in it" } else { "read" };
-            simulation.contents.push(format!("{} ({} states, {what})", &folder[1..], states.len()));
+        if folder.split('/').nth(1).is_some_and(|top| others.remove(top)) {
+            let empty = if members.is_empty() { ", nothing in it" } else { "" };
+            simulation.contents.push(format!("{} ({} states{empty})", &folder[1..], tree.states(folder).len()));
         }
         simulation.members.extend(members);
         if simulation.title.is_empty() {
@@ -61,10 +55,8 @@ pub fn read(files: &[(&str, &[u8])]) -> Result<Simulation> {
             simulation.solver = tree.text(metadata, "version").map_or_else(String::new, |v| format!("LS-DYNA {v}"));
         }
     }
-    let is_read = |top: &String| FOLDERS.iter().any(|(folder, ..)| folder.split('/').nth(1) == Some(top));
-    let others: Vec<String> = roots.into_iter().filter(|top| !is_read(top)).collect();
     if !others.is_empty() {
-        simulation.contents.push(format!("not read: {}", others.join(", ")));
+        simulation.contents.push(format!("not read: {}", others.into_iter().collect::<Vec<_>>().join(", ")));
     }
     if !cut.is_empty() {
         let states = simulation.members.iter().map(|member| member.times.len()).max().unwrap_or(0);

@@ -64,28 +64,25 @@ impl<'a> Channels<'a> {
         Self { file, settings, units, line, found: Vec::new(), ids: Ids::default(), grid: None }
     }
 
-    /// The channels of a member. A node's acceleration is the derivative of its velocity where it has one; what the
-    /// solver wrote is kept `as_written` where that is asked for.
-    pub fn add(&mut self, member: &Member, as_written: bool, notes: &mut Notes) -> Result<()> {
+    /// The channels of a member. A node's acceleration is the derivative of its velocity where it has one.
+    pub fn add(&mut self, member: &Member, notes: &mut Notes) -> Result<()> {
         let Some(own) = self.grid(member, notes)? else { return Ok(()) };
         for (name, values) in &member.columns {
-            let axis = name.strip_suffix("_acceleration").filter(|_| member.kind == Kind::Node);
-            let velocity = axis.is_some_and(|axis| member.column(&format!("{axis}_velocity")).is_some());
-            if velocity && !as_written || name == "normal_force" || name.ends_with("_impulse") {
+            let of_velocity = name.replace("_acceleration", "_velocity");
+            let is_derived = of_velocity != *name && member.column(&of_velocity).is_some();
+            if is_derived || name == "normal_force" || name.ends_with("_impulse") {
                 continue;
             }
-            let shown = if velocity { format!("{name}_as_written") } else { name.clone() };
-            self.push(member, (name, &shown), values, &own);
+            self.push(member, name, values, &own);
             if let Some(axis) = name.strip_suffix("_velocity").filter(|_| member.kind == Kind::Node) {
-                let name = format!("{axis}_acceleration");
-                self.push(member, (&name, &name), &derivative(&member.times, values), &own);
+                self.push(member, &format!("{axis}_acceleration"), &derivative(&member.times, values), &own);
             }
         }
         Ok(())
     }
 
     /// Adds a channel of values in the units of the file.
-    fn push(&mut self, member: &Member, (name, shown): (&str, &str), values: &[f64], own: &OwnGrid) {
+    fn push(&mut self, member: &Member, name: &str, values: &[f64], own: &OwnGrid) {
         let OwnGrid { grid, interpolation, .. } = own;
         let samples = match interpolation {
             Some(interpolation) => interpolation.apply(values.len(), |k| values[k]),
@@ -103,12 +100,13 @@ impl<'a> Channels<'a> {
         let turn = if is_on_wall { values.iter().sum::<f64>().signum() } else { turn };
         // No -0.
         let samples: Vec<f64> = samples.into_iter().map(|x| turn * of_units * x + 0.0).collect();
-        let id = format!("{}.{shown}", member.name());
+        let id = format!("{}.{name}", member.name());
         let mut channel = Channel::new(self.ids.unique(&id), self.units.map_or(QuantityKind::Other, |_| kind));
         channel.axis = axis;
         channel.location = member.title.clone();
-        channel.status =
-            if name == shown && kind == QuantityKind::Acceleration { ChannelStatus::Computed } else { channel.status };
+        if kind == QuantityKind::Acceleration && member.column(&name.replace("acceleration", "velocity")).is_some() {
+            channel.status = ChannelStatus::Computed;
+        }
         let of_file = if turn < 0.0 { "; the file has the other sign" } else { "" };
         channel.comment = match (self.units, kind) {
             (None, _) => member
@@ -123,7 +121,7 @@ impl<'a> Channels<'a> {
         let aliases = if is_along && kind == QuantityKind::Force {
             vec![member.id.clone(), format!("wall {}", member.id), member.title.clone()]
         } else {
-            vec![format!("{}/{shown}", member.title)]
+            vec![format!("{}/{name}", member.title)]
         };
         self.found.push(ReadChannel { wave, jitter, aliases, ..ReadChannel::new(channel) });
     }

@@ -51,11 +51,6 @@ pub const CURVES: Reader = Reader::of_one_file("simulation-curves", curves::reco
     record::recording(&bundle.name, curves::read(&bundle.main.name, &bundle.main.bytes)?, settings)
 });
 
-/// Whether a format is that of a simulation, which has no sensor.
-pub fn is_simulated(format: &str) -> bool {
-    [&BINOUT, &TEXTS, &T01, &TABLE, &CURVES].iter().any(|reader| reader.format == format)
-}
-
 /// Whether a reader may have files beside the main one.
 pub fn has_companions(reader: &Reader) -> bool {
     [&BINOUT, &TEXTS, &T01].iter().any(|own| own.format == reader.format)
@@ -109,6 +104,11 @@ pub fn rank(name: &str) -> Option<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn other_stages_know_the_formats() {
+        assert_eq!([BINOUT, TEXTS, T01, TABLE, CURVES].map(|reader| reader.format), crumple_signal::SIMULATED);
+    }
 
     #[test]
     fn files_of_one_result_are_known_by_their_names() {

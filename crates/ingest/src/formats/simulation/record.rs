@@ -58,14 +58,13 @@ pub fn recording(file: &str, mut simulation: Simulation, settings: &IngestSettin
     }
     let mut channels = Channels::new(file, settings, units, line);
     for (k, member) in simulation.members.iter().enumerate() {
-        let is_car = Some(k) == node;
         let is_channel = match member.kind {
-            Kind::Node => is_car || !member.title.is_empty(),
+            Kind::Node => Some(k) == node || !member.title.is_empty(),
             Kind::Part => false,
             _ => true,
         };
         if is_channel || settings.listing {
-            channels.add(member, is_car, &mut notes)?;
+            channels.add(member, &mut notes)?;
         }
     }
     let mut channels = channels.found;
