@@ -184,7 +184,7 @@ fn case_10_aliased_acceleration_and_a_gap() {
     let Some(folder) = set(S2) else { return };
     let read = open(&folder, &given("--units mm-s-t --node 1000001")).unwrap();
     let text = notes(&read);
-    // Over all 301 states. The reference has 4.75 and -6.10: every 0.5 ms from contact to 130 ms after it, its test's end.
+    // Over all 301 states. The reference has 4.75 and -6.10: from contact to 130 ms after it, where its test ends.
     assert!(text.contains("off the velocity by up to 4.76 m/s (end -6.29, velocity -2.80 m/s)"), "{text}");
     near(read.test.contact.as_ref().unwrap().source_time_s, 0.003_195, 1e-5);
     near(crush(&read, "1000001").0, 0.6927, 0.0005);
