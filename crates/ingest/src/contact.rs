@@ -46,8 +46,10 @@ pub fn settle(
 ) -> Result<Option<Contact>> {
     let wave = pulse.and_then(|k| recording.channels[k].wave.clone());
     let begins = wave.as_ref().map(onset);
-    // A simulation has no error of a trigger: contact lies between two states.
-    let sampling = wave.as_ref().filter(|_| SIMULATED.contains(&reader_format));
+    let stated = recording.details.time_zero_s.as_ref();
+    // A simulation starts before contact at any time. It has no error of a trigger: contact lies between two states.
+    let is_simulated = SIMULATED.contains(&reader_format);
+    let sampling = wave.as_ref().filter(|_| is_simulated && stated.is_some());
     let sampling = sampling.map(|wave| Spread { size: wave.dt_s() / 2.0, distribution: Distribution::Uniform });
     let stated_spread = sampling.or(settings.time_zero_uncertainty.map(spread));
     let contact = |rule: String, source_time_s: f64| Contact {
@@ -56,8 +58,9 @@ pub fn settle(
         uncertainty_s: stated_spread,
         earlier_by_s: 0.0,
     };
-    let stated = recording.details.time_zero_s.as_ref();
-    let auto = settings.time_zero == Some(TimeZero::Auto) || settings.time_zero_rule == Some(ContactRule::Auto);
+    let auto = settings.time_zero == Some(TimeZero::Auto)
+        || settings.time_zero_rule == Some(ContactRule::Auto)
+        || (is_simulated && stated.is_none() && settings.time_zero_rule.is_none());
     let found = match (&settings.time_zero_rule, stated) {
         (_, Some(Stated { value, from })) if !auto => {
             notes.push(StatedZero { time_zero_s: *value, from: from.clone() });
