@@ -4,8 +4,8 @@
 use crumple_metrics::{Beginning, CutRise, Onset, contact_edge, edr_start, onset, threshold_crossing};
 use crumple_signal::value::Time;
 use crumple_signal::{
-    About, Acceleration, Cfc, Class, Contact, Distribution, FilterSettings, Notes, STANDARD_GRAVITY_M_PER_S2, Sampled,
-    Signal, Spread, Uncertain, Weight, ZeroLevel, filter, remarks,
+    About, Acceleration, Cfc, Class, Contact, Distribution, FilterSettings, Notes, SIMULATED,
+    STANDARD_GRAVITY_M_PER_S2, Sampled, Signal, Spread, Uncertain, Weight, ZeroLevel, filter, remarks,
 };
 
 use crate::recording::content::Recording;
@@ -46,15 +46,21 @@ pub fn settle(
 ) -> Result<Option<Contact>> {
     let wave = pulse.and_then(|k| recording.channels[k].wave.clone());
     let begins = wave.as_ref().map(onset);
-    let stated_spread = settings.time_zero_uncertainty.map(spread);
+    let stated = recording.details.time_zero_s.as_ref();
+    // A simulation starts before contact at any time. It has no error of a trigger: contact lies between two states.
+    let is_simulated = SIMULATED.contains(&reader_format);
+    let sampling = wave.as_ref().filter(|_| is_simulated && stated.is_some());
+    let sampling = sampling.map(|wave| Spread { size: wave.dt_s() / 2.0, distribution: Distribution::Uniform });
+    let stated_spread = sampling.or(settings.time_zero_uncertainty.map(spread));
     let contact = |rule: String, source_time_s: f64| Contact {
         rule,
         source_time_s,
         uncertainty_s: stated_spread,
         earlier_by_s: 0.0,
     };
-    let stated = recording.details.time_zero_s.as_ref();
-    let auto = settings.time_zero == Some(TimeZero::Auto) || settings.time_zero_rule == Some(ContactRule::Auto);
+    let auto = settings.time_zero == Some(TimeZero::Auto)
+        || settings.time_zero_rule == Some(ContactRule::Auto)
+        || (is_simulated && stated.is_none() && settings.time_zero_rule.is_none());
     let found = match (&settings.time_zero_rule, stated) {
         (_, Some(Stated { value, from })) if !auto => {
             notes.push(StatedZero { time_zero_s: *value, from: from.clone() });

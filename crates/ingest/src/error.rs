@@ -37,7 +37,7 @@ impl Display for Place {
 /// The formats that are read, in words.
 pub(crate) const WHAT_IS_READ: &str = concat!(
     "a table of numbers, JSON lines, Parquet, Excel, MATLAB, HDF5, NHTSA EV5, ISO-MME, TDMS, TDM, LVM, UFF 58, MCAP, ",
-    "a ROS 1 bag, or a zip of one"
+    "a ROS 1 bag, binout, nodout, T01, or a zip of one"
 );
 /// What to do about samples that are missing inside a record.
 pub(crate) const GAPS_ARE_NOT_FILLED: &str =
@@ -71,6 +71,10 @@ pub enum Question {
     Unit,
     /// The channel with the pulse; one that may be it.
     Channel(String),
+    /// The node of a simulation; one that may be it.
+    Node(Box<str>),
+    /// The units of a simulation; the system that fits.
+    Units(Option<&'static str>),
 }
 
 /// Why an input is refused. All of these are the input's, none the program's: exit code 3.

@@ -1,11 +1,12 @@
 //! From the files of a record to a test description, waveforms and their quality.
 
+use clap::ValueEnum as _;
 use crumple_artifact::records::{DamageV1, VehicleV1};
 use crumple_metrics::{Exchange, Plausibility, plausibility};
 use crumple_signal::value::Time;
 use crumple_signal::{
-    About, Channel, KindOfTest, Notes, Source, TestDescription, TestKind, Weight, is_mass_of_a_vehicle, part_of,
-    remarks,
+    About, Channel, KindOfTest, Notes, SIMULATED, Source, TestDescription, TestKind, Weight, is_mass_of_a_vehicle,
+    part_of, remarks,
 };
 
 use crate::checks::exchanges::Answer;
@@ -16,6 +17,7 @@ use crate::formats::reader::{Bundle, Reader, stem};
 use crate::pulse::Polarity;
 use crate::recording::content::{ReadChannel, Recording, Wave};
 use crate::recording::details::{self, Details, Stated};
+use crate::recording::unit_system::UnitSystem;
 use crate::recording::{content, settings};
 use crate::{IngestError, IngestSettings, Result, contact, impact, kind, pulse, refuse, wall};
 
@@ -88,6 +90,10 @@ fn everything_asked(bundle: &Bundle, flags: &IngestSettings, error: IngestError)
             Question::Interval => supposed.sample_time = Some(Time::from_si(1e-3)),
             Question::Unit => supposed.unit = Some("g".to_owned()),
             Question::Channel(id) => supposed.channel = Some(id),
+            Question::Node(id) => supposed.node = Some(id.into()),
+            Question::Units(system) => {
+                supposed.units = UnitSystem::from_str(system.unwrap_or("mm-ms-kg"), false).ok();
+            }
         }
         let Err(later) = read(bundle, &supposed) else { break };
         let is_new = std::iter::once(&error).chain(&next).all(|before| before.question != later.question);
@@ -97,6 +103,9 @@ fn everything_asked(bundle: &Bundle, flags: &IngestSettings, error: IngestError)
             Question::Interval => "--sample-time 100us, for example".to_owned(),
             Question::Unit => "--unit g (or m/s^2, whichever it is)".to_owned(),
             Question::Channel(id) => format!("--channel {id}, for example"),
+            Question::Node(id) => format!("--node {id}, for example"),
+            Question::Units(Some(system)) => format!("--units {system}"),
+            Question::Units(None) => "--units of the model".to_owned(),
         });
         next.push(later);
         question = Some(asked);
@@ -155,11 +164,9 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
         let missing = (allow_missing, is_of_a_crash(&recording.details, &choices));
         (pulse::choose_pulse(file, &recording, choices.channel.as_deref(), missing, &mut notes)?, None)
     };
-    if let Some(k) = pulse.or(velocity) {
-        exchanges::check(file, &recording.channels[k], &mut notes)?;
+    if !SIMULATED.contains(&reader.format) {
+        check_samples(file, &recording, pulse.or(velocity), &mut notes)?;
     }
-    let others = recording.channels.iter().enumerate().filter(|(k, _)| Some(*k) != pulse.or(velocity));
-    exchanges::check_others(others.map(|(_, read)| read), &mut notes);
 
     if let Some(pulse) = pulse {
         facts_of_its_vehicle(&mut recording, pulse, &mut notes);
@@ -202,7 +209,9 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
     if pulse.is_some() || recording.details.no_pulse || is_of_a_crash(&recording.details, &choices) {
         missing_details(&recording.details, reader.has_comments, (is_of_occupant, certain), from_rest, &mut notes);
     }
-    channel_quality::check(&waves, pulse_id.as_deref(), speed, polarity, &mut notes);
+    if !SIMULATED.contains(&reader.format) {
+        channel_quality::check(&waves, pulse_id.as_deref(), speed, polarity, &mut notes);
+    }
     let pulse_id = pulse_id.or(velocity.map(|k| recording.channels[k].channel.id.clone()));
     if !is_of_occupant {
         let is_typed = flags.mass.is_some() && !of_record.is_some_and(is_mass_of_a_vehicle);
@@ -238,6 +247,16 @@ fn read(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
     };
     let closing_speed_m_per_s = details.closing_speed_m_per_s;
     Ok(Ingested { test, waves, damage, vehicles, closing_speed_m_per_s, plausibility, notes })
+}
+
+/// Refuses or notes samples that no sensor measured, of the pulse and of all others.
+fn check_samples(file: &str, recording: &Recording, pulse: Option<usize>, notes: &mut Notes) -> Result<()> {
+    if let Some(k) = pulse {
+        exchanges::check(file, &recording.channels[k], notes)?;
+    }
+    let others = recording.channels.iter().enumerate().filter(|(k, _)| Some(*k) != pulse);
+    exchanges::check_others(others.map(|(_, read)| read), notes);
+    Ok(())
 }
 
 /// What the reader makes of the files, the sensors where a person puts them.

@@ -39,6 +39,7 @@ mod recording {
     pub mod scale;
     pub mod settings;
     pub mod stated_contact;
+    pub mod unit_system;
 }
 mod stage;
 mod time;
@@ -55,4 +56,5 @@ pub use recording::content::{Fitness, LineNumbers, PulseRule, Quality, ReadChann
 pub use recording::details::{Details, Stated};
 pub use recording::settings::{BodyPlace, IngestSettings, Profile, Sign};
 pub use recording::stated_contact::{ContactRule, TimeZero};
+pub use recording::unit_system::{DrivingAxis, Evidence, UnitSystem, Units};
 pub use stage::PROGRAM;

@@ -1,10 +1,12 @@
 //! The table of channels of a record, without choosing a pulse.
 
+use crumple_signal::SIMULATED;
 use serde::Serialize;
 
 use crate::files::open;
 use crate::formats::reader::Bundle;
 use crate::recording::content::ReadChannel;
+use crate::recording::details::Details;
 use crate::recording::settings::select;
 use crate::{IngestSettings, Result, refuse_channel};
 
@@ -78,6 +80,11 @@ impl ListedChannel {
 /// The channels of a record, those with data first, else in its order. What would stop a stage for want of a unit, a
 /// mass or a pulse does not stop here.
 pub fn list(bundle: &Bundle, flags: &IngestSettings) -> Result<Vec<ListedChannel>> {
+    list_with_facts(bundle, flags).map(|(channels, _)| channels)
+}
+
+/// The same, with what a simulation says of itself: solver, version, folders and states, title.
+pub fn list_with_facts(bundle: &Bundle, flags: &IngestSettings) -> Result<(Vec<ListedChannel>, Vec<String>)> {
     let stated_in_sidecar = open::settings(bundle)?.with_number_of_vehicle();
     let flags = &flags.with_number_of_vehicle();
     let mut choices = flags.over(&stated_in_sidecar);
@@ -104,5 +111,8 @@ pub fn list(bundle: &Bundle, flags: &IngestSettings) -> Result<Vec<ListedChannel
         shown.into_iter().map(|k| ListedChannel::new(&recording.channels[k])).collect();
     // Stable: a test may list hundreds whose files are not here.
     listed.sort_by_key(|channel| !channel.has_data());
-    Ok(listed)
+    let Details { mut facts, title, .. } = recording.details;
+    facts.extend(title.map(|title| title.value));
+    facts.retain(|_| SIMULATED.contains(&bundle.reader.format));
+    Ok((listed, facts))
 }

@@ -8,7 +8,7 @@ use crate::recording::{content, details, preamble, scale, settings};
 use crate::time::{SAMPLE_REMARKS, UNIT_REMARKS};
 use crate::{
     Bundle, IngestError, IngestSettings, Ingested, ListedChannel, RecordDigests, Refusal, contact, formats, impact,
-    ingest, kind, list, pulse, wall,
+    ingest, kind, listing, pulse, wall,
 };
 use crumple_artifact::InputDigest;
 use crumple_artifact::records::{TestV1, VehiclesV1};
@@ -50,6 +50,7 @@ impl Stage for Ingest {
         formats::lvm::REMARKS,
         formats::mcap::REMARKS,
         formats::messages::REMARKS,
+        formats::simulation::remarks::REMARKS,
         formats::table::remarks::REMARKS,
         formats::tdm::REMARKS,
         formats::waveform::channel::REMARKS,
@@ -206,7 +207,8 @@ pub fn run(cli: Cli) -> anyhow::Result<ExitStatus> {
     }
     keep_budget(std::slice::from_ref(&input), ExitStatus::Refused);
     let bundle = Bundle::open_with_progress(&input, show_progress).map_err(refused)?;
-    let mut lines = list(&bundle, &settings).map_err(refused)?;
+    let (mut lines, facts) = listing::list_with_facts(&bundle, &settings).map_err(refused)?;
+    facts.iter().for_each(|fact| eprintln!("{}", printable(fact)));
     let listed = lines.len();
     lines.retain(|line| (!with_data || line.has_data()) && search.as_ref().is_none_or(|word| line.mentions(word)));
     if lines.is_empty() {

@@ -140,6 +140,17 @@ pub struct Source {
     pub digest: String,
 }
 
+impl Source {
+    /// Whether it is the result of a simulation, which has no sensor: no zero level, no trigger, no error of a gain.
+    pub fn is_simulated(&self) -> bool {
+        SIMULATED.contains(&self.format.as_str())
+    }
+}
+
+/// Formats of the results of simulations.
+pub const SIMULATED: [&str; 5] =
+    ["ls-dyna-binout", "ls-dyna-text", "openradioss-t01", "openradioss-table", "simulation-curves"];
+
 /// First contact: the origin of every time after ingest, which are seconds from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contact {

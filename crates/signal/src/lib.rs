@@ -67,8 +67,8 @@ pub use butterworth::{Butterworth, Design, Phase, run_sections};
 pub use cfc::{Cfc, CfcMode, Class, Coefficients, CorridorPoint, corridor};
 pub use channels::{Axis, BARRIER, Channel, ChannelStatus};
 pub use description::{
-    ANOTHER_VEHICLE, BodyPart, Contact, KindOfTest, Overlap, PulseError, Source, TestDescription, TestKind, VEHICLE_KG,
-    criterion_of, is_mass_of_a_vehicle, is_pattern, part_of, resolve_channels,
+    ANOTHER_VEHICLE, BodyPart, Contact, KindOfTest, Overlap, PulseError, SIMULATED, Source, TestDescription, TestKind,
+    VEHICLE_KG, criterion_of, is_mass_of_a_vehicle, is_pattern, part_of, resolve_channels,
 };
 pub use error::{FilterError, IntegrateError};
 pub use filter::{Applied, FilterSettings, Filtered, REMARKS as FILTER_REMARKS, ZeroLevel, filter, filter_reporting};

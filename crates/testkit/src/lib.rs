@@ -21,5 +21,6 @@ pub use places::{shared, workspace};
 pub use random::{uniform, white_noise};
 pub use records::{
     IMPACT_SPEED_M_PER_S, KnownTruth, TwoVehicles, fixture, identification, integrated, kinds, known_truth,
-    known_truths, known_truths_in, other_records, reference_signals, table_5, write_filtered, write_known_truth,
+    known_truths, known_truths_in, other_records, reference_signals, simulated, table_5, write_filtered,
+    write_known_truth,
 };

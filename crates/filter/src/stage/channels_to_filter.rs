@@ -47,6 +47,9 @@ pub fn channels_to_filter<'a>(
     let mut channels = Vec::new();
     for channel in selected.into_iter().filter(|channel| !pass.contains(&channel.id)) {
         let mut channel_settings = settings.filter;
+        if test.source.is_simulated() {
+            channel_settings.zero_level = ZeroLevel::None;
+        }
         let quality = input.record_if::<QualityV1>(&format!("/quality/{}", channel.id))?;
         if let (ZeroLevel::PreEvent(_), Some(rest_level)) =
             (channel_settings.zero_level, quality.and_then(|quality| quality.rest_level))

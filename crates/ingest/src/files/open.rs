@@ -16,6 +16,7 @@ use crate::formats::reader::{
     Bundle, FILE_LIMIT, LargeFile, NamedBytes, Reader, ShowProgress, Stamp, check_total, stem,
 };
 use crate::formats::registry::{is_ending_of_a_record, recognise};
+use crate::formats::simulation;
 use crate::{IngestError, IngestSettings, Result, check_size, refuse_path, refuse_size};
 
 /// Tables above this are read piece by piece, bytes.
@@ -118,7 +119,7 @@ pub(crate) fn companions_of(
     main_path: &Path,
 ) -> Result<(Vec<(String, PathBuf)>, u64)> {
     let may_have = |ending: &str| (reader.companion)(main_name, &format!("{}.{ending}", stem(main_name)));
-    if !["001", "tdx"].into_iter().any(may_have) {
+    if !["001", "tdx"].into_iter().any(may_have) && !simulation::has_companions(reader) {
         return Ok((Vec::new(), 0));
     }
     let folder = main_path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -295,6 +296,14 @@ fn main_file_of(folder: &Path) -> Result<PathBuf> {
             return Ok(path.clone());
         }
     }
+    let mut results: Vec<(u8, &PathBuf)> =
+        all.iter().filter_map(|path| Some((simulation::rank(&file_name(path))?, path))).collect();
+    results.sort();
+    for (_, path) in results.into_iter().filter(|(_, path)| path.is_file()) {
+        if simulation::is_result(&head(path, 8192)?) {
+            return Ok(path.clone());
+        }
+    }
     if all.iter().any(|path| file_name(path) == "metadata.yaml") {
         let is_mcap = |path: &&PathBuf| path.extension().is_some_and(|ending| ending == "mcap");
         if let [only] = all.iter().filter(is_mcap).collect::<Vec<_>>().as_slice() {
@@ -431,7 +440,7 @@ mod tests {
             sample_time = '1 s'\nresample = '9 Hz'\ntime_zero_uncertainty = '1 ms'\ntime_zero_rule = 'edr'\n\
             scale = 'a=50mV/g'";
         let words = "sign = 'flip'\nkind = 'sled'\nprofile = 'edr'\nplace = 'head'\nimpact = 1\nvehicle_number = 1\n\
-            overlap = 'glancing'\nallow_missing = true";
+            overlap = 'glancing'\nallow_missing = true\nunits = 'mm-s-t'\nnode = '7'\naxis = 'x'";
         let text = format!("{units}\n{words}\n{texts}");
         assert!(IngestSettings::KEYS.iter().all(|key| text.lines().any(|line| line.starts_with(&format!("{key} =")))));
         let settings = parse("a.toml", text.as_bytes()).unwrap();

@@ -16,6 +16,7 @@ pub mod reader;
 pub mod registry;
 pub mod remarks;
 pub mod ros_bag;
+pub mod simulation;
 pub mod table;
 pub mod tdm;
 pub mod tdms;

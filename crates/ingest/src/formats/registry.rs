@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use crate::error::WHAT_IS_READ;
 use crate::formats::reader::{Bundle, NamedBytes, Reader};
+use crate::formats::simulation::ascii;
 use crate::formats::{
-    ev5, hdf5, iso_mme, json_lines, lvm, mat, mcap, parquet, ros_bag, table, tdm, tdms, universal, workbook,
+    ev5, hdf5, iso_mme, json_lines, lvm, mat, mcap, parquet, ros_bag, simulation, table, tdm, tdms, universal, workbook,
 };
 use crate::{IngestError, Result, refuse};
 
@@ -20,6 +21,11 @@ pub const READERS: &[&Reader] = &[
     &hdf5::HDF5,
     &parquet::PARQUET,
     &json_lines::JSON_LINES,
+    &simulation::BINOUT,
+    &simulation::T01,
+    &simulation::TEXTS,
+    &simulation::TABLE,
+    &simulation::CURVES,
     &workbook::WORKBOOK,
     &universal::UNIVERSAL,
     &ev5::EV5,
@@ -142,9 +148,9 @@ const FORMATS: &[Foreign] = &[
     ("an array of NumPy (.npy)", NUMPY, |b| b.starts_with(b"\x93NUMPY")),
     ("a text file of Octave", OCTAVE, is_octave_text),
     ("a binary file of Octave", OCTAVE, |b| b.starts_with(b"Octave-1-")),
-    ("the nodal output of LS-DYNA (nodout)", LS_DYNA, |b| has(b, b"n o d a l   p r i n t   o u t")),
-    ("an output text of LS-DYNA (glstat, matsum, rcforc or another one)", LS_DYNA, is_ls_dyna_text),
-    ("an output database of LS-DYNA (binout)", LS_DYNA, is_binout),
+    ("an output text of LS-DYNA (matsum, deforc or another one)", LS_DYNA, |b| {
+        ascii::is_of_ls_dyna(b) && !ascii::recognises(b)
+    }),
     ("a plot database of LS-DYNA (d3plot)", LS_DYNA, is_d3plot),
     ("a DEWESoft file", DEWESOFT, |b| has_early(b, b"MULTI_STREAM_FILE") || has_early(b, b"Dewesoft_Data")),
     (
@@ -180,8 +186,7 @@ const FORMATS: &[Foreign] = &[
 pub(crate) const NUMPY: &str = "write time and acceleration as the columns of a CSV file: numpy.savetxt('out.csv', \
     numpy.column_stack([t, a]), delimiter=',', header='time [s],accel [g]', comments='')";
 const OCTAVE: &str = "save it in Octave for MATLAB: save -v7 record.mat t a, with the names of time and acceleration";
-const LS_DYNA: &str = "write time and x-acceleration of one node as a table from LS-PrePost (ASCII or binout, nodout, \
-    x-acceleration, save as CSV), with their units in the header";
+const LS_DYNA: &str = "give binout or nodout of the same run, or the folder with them";
 const DEWESOFT: &str = "export time and acceleration as CSV or as MATLAB file from DEWESoft";
 const CATMAN: &str = "export time and acceleration as ASCII or as MATLAB file from catman";
 
@@ -190,20 +195,6 @@ fn is_octave_text(bytes: &[u8]) -> bool {
     let first = lines.next().unwrap_or_default();
     let mut is_typed = || lines.next().is_some_and(|line| line.starts_with(b"# type: "));
     first.starts_with(b"# Created by Octave") || (first.starts_with(b"# name: ") && is_typed())
-}
-
-/// Title, then `ls-dyna` far from the margin with the date, as all its texts begin.
-fn is_ls_dyna_text(bytes: &[u8]) -> bool {
-    let is_version = |line: &[u8]| {
-        let line = line.to_ascii_lowercase();
-        line.starts_with(b"     ") && line.trim_ascii_start().starts_with(b"ls-dyna") && has(&line, b"date")
-    };
-    bytes.split(|b| *b == b'\n').take(4).any(is_version) || has(bytes, b"dt of cycle ")
-}
-
-/// LSDA: lengths of the header and of what follows, byte order, IEEE numbers.
-fn is_binout(bytes: &[u8]) -> bool {
-    matches!(bytes, [8, 4 | 8, 4 | 8, 1, 1, 0 | 1, 0, ..])
 }
 
 /// The control block: ten words of title, then time, kind of file, version, number of dimensions, of nodes, 6 for
@@ -301,7 +292,7 @@ mod tests {
             }
             bytes
         };
-        let cases: [(&[u8], &str); 21] = [
+        let cases: [(&[u8], &str); 19] = [
             (b"%PDF-1.7\n", "PDF"),
             (b"TDSh\x0e\0\0\0", "TDMS index"),
             (b"SQLite format 3\0", "SQLite"),
@@ -314,9 +305,7 @@ mod tests {
             (b"# Created by Octave 7.3.0, Sat\n# name: t\n", "text file of Octave"),
             (b"# name: t\n# type: matrix\n# rows: 2\n", "text file of Octave"),
             (b"Octave-1-L\0", "binary file of Octave"),
-            (b" sled\n        ls-dyna smp.1       date 1/2/2024\n\n n o d a l   p r i n t   o u t   f o r\n", "nodout"),
-            (b" sled\n        LS-DYNA smp.1       date 1/2/2024\n dt of cycle 1 is\n", "glstat"),
-            (b"\x08\x08\x08\x01\x01\x01\0\0\x0b", "binout"),
+            (b" sled\n        LS-DYNA smp.1       date 1/2/2024\n mat.# 1 inten= 0\n", "matsum"),
             (&d3plot(4), "d3plot"),
             (&d3plot(8), "d3plot"),
             (b"MULTI_STREAM_FILE_VER02106\0\0\0Dewesoft_Data_7.x__", "DEWESoft"),

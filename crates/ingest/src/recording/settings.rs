@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::recording::content::ReadChannel;
 use crate::recording::scale::Scales;
 use crate::recording::stated_contact::{ContactRule, TimeZero};
+use crate::recording::unit_system::{DrivingAxis, UnitSystem};
 
 pub use crumple_signal::is_pattern;
 
@@ -140,6 +141,18 @@ pub struct IngestSettings {
     /// unit: 10kHz. Default: uneven times are refused.
     #[arg(long, value_name = "RATE")]
     pub resample: Option<Frequency>,
+    /// Node of a simulation that stands for the car, by its id or words of its title. Default: the only one.
+    #[arg(long, value_name = "ID|TITLE")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub node: Option<String>,
+    /// Line of driving of a simulation: x, y or z. Default: that of the largest speed at the start.
+    #[arg(long, value_enum, value_name = "AXIS", hide_possible_values = true)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axis: Option<DrivingAxis>,
+    /// System of units of a simulation: mm-ms-kg, mm-s-t, m-s-kg or mm-ms-g. Default: that of the file, else asked.
+    #[arg(long, value_enum, value_name = "SYSTEM", hide_possible_values = true)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub units: Option<UnitSystem>,
     /// Vehicle whose structure carries the pulse in an NHTSA test with two: 1 or 2. Default: 1.
     #[arg(long, value_name = "NUMBER")]
     pub vehicle_number: Option<u32>,
@@ -185,7 +198,7 @@ impl IngestSettings {
     layers! {
         mass impact_speed kind overlap channel unit scale wall time_unit
         time_zero time_zero_rule time_zero_uncertainty impact sign sample_time
-        profile skip_to sheet place field resample
+        profile skip_to sheet place field resample node axis units
         vehicle_number vehicle title barrier allow_missing
     }
 
@@ -225,6 +238,9 @@ pub fn warn_except(settings: &IngestSettings, relevant: &[&str], why: &str, note
         ("--field", settings.field.is_some()),
         ("--resample", settings.resample.is_some()),
         ("--vehicle-number", settings.vehicle_number.is_some()),
+        ("--node", settings.node.is_some()),
+        ("--axis", settings.axis.is_some()),
+        ("--units", settings.units.is_some()),
     ];
     for (flag, _) in flags.into_iter().filter(|(flag, is_given)| *is_given && !relevant.contains(flag)) {
         warn(flag, why, notes);

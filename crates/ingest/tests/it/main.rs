@@ -18,6 +18,7 @@ mod other_programs;
 mod protobuf;
 mod refusals;
 mod robustness;
+mod simulations;
 mod spreadsheets;
 mod tables;
 mod tdm;

@@ -172,7 +172,7 @@ fn foreign_formats() {
     refused("a.zip", b"PK\x03\x04 not really a zip", &[], &["zip archive cannot be read"]);
     let nodes =
         " sled\n                         ls-dyna mpp      date 03/14/2024\n\n n o d a l   p r i n t   o u t   f o r\n";
-    refused("nodout", nodes, &[], &["the nodal output of LS-DYNA", "LS-PrePost"]);
+    refused("nodout", nodes, &[], &["an output text of LS-DYNA without a state"]);
     refused("a.npz", zipped(&[("t.npy", "x"), ("a.npy", "x")]), &[], &["an archive of NumPy (.npz)", "numpy.savetxt"]);
     let octave = "# Created by Octave 7.3.0\n# name: t\n# type: matrix\n# rows: 2\n# columns: 1\n 1\n 2\n";
     refused("pulse.mat", octave, &["--unit", "g"], &["a text file of Octave", "save -v7"]);

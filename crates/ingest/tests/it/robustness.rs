@@ -4,7 +4,7 @@ use std::fs;
 
 use crumple_ingest::{Bundle, IngestError, IngestSettings, Refusal, Wave, ingest};
 use crumple_signal::QuantityKind;
-use crumple_testkit::shared;
+use crumple_testkit::{shared, simulated};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::Index;
@@ -213,6 +213,20 @@ fn mutated_recordings() {
     never_panics("a.001", &channel_file(), &[], &stated(), 500);
     never_panics("a.bag", &bag(), &[], &stated(), 500);
     never_panics("a.mcap", &recording(), &[], &stated(), 500);
+}
+
+#[test]
+fn mutated_simulations() {
+    let settings = [lenient(), given("--units mm-ms-kg --node 7"), given("--units mm-s-t --allow-missing")];
+    never_panics("binout", &simulated::binout(true), &[("binout%001", simulated::binout(false))], &settings, 200);
+    never_panics(
+        "nodout",
+        simulated::nodout().as_bytes(),
+        &[("rwforc", simulated::rwforc().into_bytes())],
+        &settings,
+        200,
+    );
+    never_panics("T01", &simulated::t01(), &[("T01_TITLES", b"0\nDX\n0\nDY\n".to_vec())], &settings, 200);
 }
 
 #[test]

@@ -169,17 +169,21 @@ impl ChannelIntegration<'_> {
     /// of the channel. `None` where nothing is uncertain.
     fn uncertainty(&self, id: &str, events: &CrashEvents, end_s: f64) -> anyhow::Result<Option<Uncertainty>> {
         let Some(stated) = self.settings.uncertainty.clone() else { return Ok(None) };
+        // A simulation has no sensor: contact alone is uncertain, between two of its states.
+        let is_simulated = self.test.source.is_simulated();
+        let stated =
+            if is_simulated { Uncertainty { zero_level_m_per_s2: None, gain: None, ..stated } } else { stated };
         let contact = self.test.contact.as_ref();
         let contact_s = contact.and_then(|contact| contact.uncertainty_s);
         let earlier_by_s = contact.map_or(0.0, |contact| contact.earlier_by_s);
         // A change of velocity, from an unknown speed or from rest, has no speed to vary.
-        let has_speed = self.impact_speed_m_per_s.is_some_and(|speed| speed > 0.0);
+        let has_speed = self.impact_speed_m_per_s.is_some_and(|speed| speed > 0.0) && !is_simulated;
         let impact_speed_m_per_s = stated.impact_speed_m_per_s.filter(|_| has_speed);
         let stated = Uncertainty { impact_speed_m_per_s, contact_s, earlier_by_s, ..stated };
         let quality = self.input.record_if::<QualityV1>(&format!("/quality/{id}"))?;
         let all = match quality {
-            Some(quality) => stated.with_quality(&quality, events, end_s),
-            None => stated,
+            Some(quality) if !is_simulated => stated.with_quality(&quality, events, end_s),
+            _ => stated,
         };
         Ok(Some(all).filter(Uncertainty::is_any))
     }

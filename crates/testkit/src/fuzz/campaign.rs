@@ -35,6 +35,10 @@ struct Corpus {
     run: Vec<PathBuf>,
 }
 
+/// Sets of simulations: binout, texts and curves of LS-DYNA, T01 and its tables.
+const SIMULATIONS: [&str; 3] =
+    ["s1-same-car", "s2-middle-of-the-front-too-stiff", "s3-openradioss-engine-mount-too-soft"];
+
 impl Corpus {
     fn new() -> Self {
         let fixtures = workspace().join("fixtures");
@@ -46,10 +50,13 @@ impl Corpus {
         let run: Vec<PathBuf> = stages.iter().map(|stage| golden.join(format!("{stage}.mcap"))).collect();
         records.push(run[0].clone());
         let folders = [Some(workspace().join("fuzz/corpus/record")), shared("reference/hostile")];
-        records.extend(folders.into_iter().flatten().flat_map(|folder| {
+        let folders = folders.into_iter().flatten().map(|folder| (folder, 100_000));
+        let simulations =
+            SIMULATIONS.into_iter().filter_map(|set| Some((shared("reference/simulation")?.join(set), 2_000_000)));
+        records.extend(folders.chain(simulations).flat_map(|(folder, most)| {
             let files = fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
             let mut files: Vec<PathBuf> =
-                files.filter(|file| file.metadata().is_ok_and(|m| m.len() < 100_000)).map(|file| file.path()).collect();
+                files.filter(|file| file.metadata().is_ok_and(|m| m.len() < most)).map(|file| file.path()).collect();
             files.sort();
             files
         }));
@@ -163,7 +170,13 @@ fn mutated(corpus: &Corpus, dice: &mut Dice) -> Result<Trial, String> {
     let (path, program, arguments) = match dice.below(8) {
         0..=3 => {
             let path = dice.one_of(&corpus.records).clone();
-            let flags = *dice.one_of(&["", " --list", " --mass 900kg --impact-speed 50km/h", " --field a.b --unit g"]);
+            let flags = *dice.one_of(&[
+                "",
+                " --list",
+                " --units mm-ms-kg --node 1000001",
+                " --mass 900kg --impact-speed 50km/h",
+                " --field a.b --unit g",
+            ]);
             (path, "crumple-ingest", format!("FILE -o OUT{flags}"))
         }
         4 => {

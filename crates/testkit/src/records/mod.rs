@@ -22,6 +22,7 @@ pub mod kinds;
 mod known_truth;
 mod measurement;
 pub mod reference_signals;
+pub mod simulated;
 
 /// Writes `2-filter.mcap` of this test, its first channel the pulse: all channels are listed, those with samples have
 /// them.
