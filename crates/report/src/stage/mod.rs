@@ -10,6 +10,7 @@ mod pictures;
 mod results;
 mod run_folders;
 pub mod together;
+mod validate;
 
 use std::fs::{self, File};
 use std::io::Write;
@@ -160,9 +161,10 @@ pub struct IndexCli {
     quiet: bool,
 }
 
-/// Several runs on one page: curves over each other, numbers and settings side by side, differences marked.
+/// Several runs on one page: curves over each other, numbers and settings side by side, differences marked; or
+/// simulations against their test.
 #[derive(Debug, clap::Parser)]
-#[command(name = "crumple-compare", version)]
+#[command(name = "crumple-compare", version, after_long_help = crate::validate::requirements::help())]
 pub struct CompareCli {
     /// Run folders.
     #[arg(required = true, value_name = "RUN")]
@@ -173,6 +175,8 @@ pub struct CompareCli {
     /// Markdown to write too, for a merge request: what the page says first.
     #[arg(long, value_name = "FILE")]
     markdown: Option<PathBuf>,
+    #[command(flatten)]
+    validation: validate::ValidateArgs,
     /// No summary on stderr.
     #[arg(short, long)]
     quiet: bool,
@@ -185,7 +189,10 @@ pub const INDEX: Program = Program::of_tool::<IndexCli>("index", |call| {
 
 /// `crumple-report --compare` by itself.
 pub const COMPARE: Program = Program::of_tool::<CompareCli>("compare", |call| {
-    run_tool(call, |cli: CompareCli| compare::compare(&cli.inputs, &cli.output, cli.markdown.as_deref(), cli.quiet))
+    run_tool(call, |cli: CompareCli| {
+        let validation = cli.validation.validate.then_some(&cli.validation);
+        compare::compare(&cli.inputs, &cli.output, cli.markdown.as_deref(), validation, cli.quiet)
+    })
 });
 
 /// Reads the artifacts and writes both files.
@@ -194,7 +201,7 @@ pub const COMPARE: Program = Program::of_tool::<CompareCli>("compare", |call| {
 fn run(mut cli: Cli) -> anyhow::Result<ExitStatus> {
     if cli.compare {
         let page = cli.output.as_deref().unwrap_or(Path::new("compare.html"));
-        return compare::compare(&cli.inputs, page, cli.markdown.as_deref(), cli.quiet);
+        return compare::compare(&cli.inputs, page, cli.markdown.as_deref(), None, cli.quiet);
     }
     if cli.index {
         let page = cli.output.as_deref().unwrap_or(Path::new("index.html"));
