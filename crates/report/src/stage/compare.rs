@@ -15,7 +15,6 @@ use crumple_stage::{
 use super::gather::gather;
 use super::results::limits_of;
 use super::run_folders::address;
-use super::validate::{ValidateArgs, validate};
 
 /// Reads a run folder; what is written is not one of its files.
 pub fn read_run(folder: &Path, name: String, page: &Path) -> anyhow::Result<(ComparedRun, Inputs)> {
@@ -34,35 +33,33 @@ pub fn read_run(folder: &Path, name: String, page: &Path) -> anyhow::Result<(Com
     Ok((ComparedRun { limits, ..ComparedRun::new(name, report, run) }, inputs))
 }
 
-/// Reads run folders and writes the page that compares them, and its tables as Markdown where asked for.
-pub fn compare(
-    folders: &[PathBuf],
-    page: &Path,
-    markdown: Option<&Path>,
-    as_simulations: Option<&ValidateArgs>,
-    quiet: bool,
-) -> anyhow::Result<ExitStatus> {
+/// Errors: fewer than two runs.
+pub fn refuse_one_run(folders: &[PathBuf]) -> anyhow::Result<()> {
     if folders.len() < 2 {
         return Err(Usage::new("one run has nothing to be compared with").hint("name two run folders or more").into());
     }
-    let again = markdown.map(|path| {
-        let flag = as_simulations.map(|_| Path::new("--validate"));
-        let named = folders.iter().map(PathBuf::as_path).chain(flag);
-        let words: Vec<String> =
-            named.chain([Path::new("--markdown"), path]).map(|word| shell_word(&word.display().to_string())).collect();
-        format!("{} {}", by_way("just compare", "crumple compare"), words.join(" "))
-    });
-    if let Some(args) = as_simulations {
-        return validate(folders, page, markdown.zip(again.as_deref()), args, quiet);
-    }
+    Ok(())
+}
+
+/// The command that makes a Markdown of these runs again.
+pub fn command_again(folders: &[PathBuf], flag: Option<&str>, markdown: &Path) -> String {
+    let named = folders.iter().map(PathBuf::as_path).chain(flag.map(Path::new));
+    let words: Vec<String> =
+        named.chain([Path::new("--markdown"), markdown]).map(|word| shell_word(&word.display().to_string())).collect();
+    format!("{} {}", by_way("just compare", "crumple compare"), words.join(" "))
+}
+
+/// Reads run folders and writes the page that compares them, and its tables as Markdown where asked for.
+pub fn compare(folders: &[PathBuf], page: &Path, markdown: Option<&Path>, quiet: bool) -> anyhow::Result<ExitStatus> {
+    refuse_one_run(folders)?;
     let mut runs = Vec::new();
     for (folder, name) in folders.iter().zip(told_apart(folders)) {
         runs.push(read_run(folder, name, page)?.0);
     }
     let comparison = RunComparison::new(&runs)?;
     write(page, OutputKind::Report, &comparison.to_html())?;
-    if let Some((path, again)) = markdown.zip(again) {
-        write(path, OutputKind::Markdown, &comparison.to_markdown(&again))?;
+    if let Some(path) = markdown {
+        write(path, OutputKind::Markdown, &comparison.to_markdown(&command_again(folders, None, path)))?;
     }
     if !quiet {
         let columns = columns();

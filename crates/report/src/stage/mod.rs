@@ -190,8 +190,11 @@ pub const INDEX: Program = Program::of_tool::<IndexCli>("index", |call| {
 /// `crumple-report --compare` by itself.
 pub const COMPARE: Program = Program::of_tool::<CompareCli>("compare", |call| {
     run_tool(call, |cli: CompareCli| {
-        let validation = cli.validation.validate.then_some(&cli.validation);
-        compare::compare(&cli.inputs, &cli.output, cli.markdown.as_deref(), validation, cli.quiet)
+        let CompareCli { inputs, output, markdown, validation, quiet } = &cli;
+        match validation.validate {
+            true => validate::validate(inputs, output, markdown.as_deref(), validation, *quiet),
+            false => compare::compare(inputs, output, markdown.as_deref(), *quiet),
+        }
     })
 });
 
@@ -201,7 +204,7 @@ pub const COMPARE: Program = Program::of_tool::<CompareCli>("compare", |call| {
 fn run(mut cli: Cli) -> anyhow::Result<ExitStatus> {
     if cli.compare {
         let page = cli.output.as_deref().unwrap_or(Path::new("compare.html"));
-        return compare::compare(&cli.inputs, page, cli.markdown.as_deref(), None, cli.quiet);
+        return compare::compare(&cli.inputs, page, cli.markdown.as_deref(), cli.quiet);
     }
     if cli.index {
         let page = cli.output.as_deref().unwrap_or(Path::new("index.html"));

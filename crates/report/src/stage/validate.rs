@@ -8,7 +8,7 @@ use crumple_signal::{
 };
 use crumple_stage::{ExitStatus, Inputs, Usage, columns, refuse_to_overwrite, say, to_stdout, wrapped};
 
-use super::compare::{read_run, write};
+use super::compare::{command_again, read_run, refuse_one_run, write};
 use crate::compare::review_files::junit;
 use crate::validate::checks::ModelRecords;
 use crate::validate::figures::figures;
@@ -97,10 +97,11 @@ fn engine(inputs: &Inputs, run: &ComparedRun) -> Option<Sampled> {
 pub fn validate(
     folders: &[PathBuf],
     page: &Path,
-    markdown: Option<(&Path, &str)>,
+    markdown: Option<&Path>,
     args: &ValidateArgs,
     quiet: bool,
 ) -> anyhow::Result<ExitStatus> {
+    refuse_one_run(folders)?;
     let requirements = args.requirements()?;
     let json_file = args.json.as_deref().filter(|path| *path != Path::new("-"));
     for (path, kind) in [(json_file, OutputKind::Summary), (args.junit.as_deref(), OutputKind::Junit)] {
@@ -144,8 +145,9 @@ pub fn validate(
         figures(test, simulations, &all),
     );
     write(page, OutputKind::Report, &comparison.to_html())?;
-    if let Some((path, again)) = markdown {
-        write(path, OutputKind::Markdown, &comparison.to_markdown(again))?;
+    if let Some(path) = markdown {
+        let again = command_again(folders, Some("--validate"), path);
+        write(path, OutputKind::Markdown, &comparison.to_markdown(&again))?;
     }
     if let Some(path) = &args.junit {
         write(path, OutputKind::Junit, &junit("crumple validate", "not-held", &suites(&all)))?;

@@ -91,11 +91,10 @@ fn ratio(validations: &[Validation]) -> Figure {
             panel.band(entry, &band);
         }
     }
-    for limit in [1.0 - REPEAT_SCATTER, 1.0, 1.0 + REPEAT_SCATTER] {
-        let entry = figure.legend.len();
-        let end = validations.iter().flat_map(|one| &one.deceleration).map(|s| MILLI * s.to_m).fold(0.0, f64::max);
-        if entry > 0 && end > 0.0 && limit != 1.0 {
-            let entry = figure.entry("two equal tests", Look::line(Colour::Muted, Dash::Dotted), true);
+    let end = validations.iter().flat_map(|one| &one.deceleration).map(|s| MILLI * s.to_m).fold(0.0, f64::max);
+    if end > 0.0 {
+        let entry = figure.entry("two equal tests", Look::line(Colour::Muted, Dash::Dotted), true);
+        for limit in [1.0 - REPEAT_SCATTER, 1.0 + REPEAT_SCATTER] {
             panel.line(entry, vec![[0.0, limit], [end, limit]]);
         }
     }

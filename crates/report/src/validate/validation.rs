@@ -271,3 +271,114 @@ fn assumed(test: &Side<'_>, simulation: &Side<'_>) -> Vec<(String, String)> {
     }
     rows
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs::read_to_string;
+    use std::path::Path;
+
+    use super::*;
+    use crate::validate::segments::MeanForce;
+    use crumple_metrics::cumulative;
+
+    const G: f64 = 9.80665;
+
+    /// Rows of numbers at their columns, of lines that are such rows.
+    fn rows(file: &Path, separator: for<'a> fn(&'a str) -> Vec<&'a str>, columns: &[usize]) -> Vec<Vec<f64>> {
+        let text = read_to_string(file).unwrap();
+        let row = |line: &str| {
+            let words = separator(line);
+            columns.iter().map(|k| words.get(*k)?.trim().parse().ok()).collect()
+        };
+        text.lines().filter_map(row).collect()
+    }
+
+    /// A column from contact, times `factor`, turned so that it is positive on the whole.
+    fn wave(rows: &[Vec<f64>], column: usize, factor: f64, dt_s: f64, contact_s: f64) -> Sampled {
+        let sign = rows.iter().map(|row| row[column]).sum::<f64>().signum();
+        Sampled::new(-contact_s, dt_s, rows.iter().map(|row| sign * factor * row[column]).collect()).unwrap()
+    }
+
+    /// The integral, zero at contact.
+    fn integral(rate: &Sampled) -> Sampled {
+        let sum = cumulative(rate.samples(), rate.dt_s());
+        let sum = Sampled::new(rate.t0_s(), rate.dt_s(), sum).unwrap();
+        let start = sum.at(0.0).unwrap();
+        Sampled::new(rate.t0_s(), rate.dt_s(), sum.samples().iter().map(|x| x - start).collect()).unwrap()
+    }
+
+    fn blanks(line: &str) -> Vec<&str> {
+        line.split_whitespace().collect()
+    }
+
+    fn commas(line: &str) -> Vec<&str> {
+        line.split(',').collect()
+    }
+
+    /// Velocity of the compartment and force of the wall as the solver's file has them.
+    fn simulated(set: &Path, name: &str) -> [Sampled; 2] {
+        match name {
+            "s1" => {
+                let all = rows(&set.join("curves.cur"), blanks, &[0, 1]);
+                let (velocity, force) = all.split_at(all.len() / 2);
+                [wave(velocity, 1, 1.0, 4e-4, 0.0), wave(force, 1, 1e3, 4e-4, 0.0)]
+            }
+            "s2" => {
+                let all = rows(&set.join("nodout"), blanks, &[0, 4, 12]);
+                let node: Vec<Vec<f64>> = all.into_iter().filter(|row| row[0] == 1_000_001.0).collect();
+                let force = rows(&set.join("rwforc"), blanks, &[0, 1, 3, 5]);
+                [wave(&node, 1, 1e-3, 5e-4, 3.195e-3), wave(&force, 2, 1.0, 5e-4, 3.195e-3)]
+            }
+            _ => {
+                let all = rows(&set.join("CART01.csv"), commas, &[32, 47]);
+                [wave(&all, 0, 1.0, 4e-4, 1.278e-3), wave(&all, 1, 1e3, 4e-4, 1.278e-3)]
+            }
+        }
+    }
+
+    #[test]
+    fn the_made_sets_have_their_true_ratios_and_the_part_that_is_wrong() {
+        let Some(folder) = crumple_testkit::shared("reference/simulation") else { return };
+        for entry in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).filter(|path| path.is_dir())
+        {
+            let name = &entry.file_name().unwrap().to_str().unwrap()[..2];
+            let truth: serde_json::Value =
+                serde_json::from_str(&read_to_string(entry.join("truth.json")).unwrap()).unwrap();
+            let felt = rows(&entry.join("test.csv"), commas, &[0, 1]);
+            let acceleration: Vec<f64> = felt.iter().map(|row| G * row[1]).collect();
+            let change = integral(&Sampled::new(-0.02, 1e-4, acceleration).unwrap());
+            let v: Vec<f64> = change.samples().iter().map(|dv| 15.65 + dv).collect();
+            let v = Sampled::new(-0.02, 1e-4, v).unwrap();
+            let force = rows(&entry.join("test-wall-and-engine.csv"), commas, &[0, 1]);
+            let force = Sampled::new(-0.02, 1e-4, force.iter().map(|row| 1e3 * row[1]).collect()).unwrap();
+            let [v_simulated, f_simulated] = simulated(&entry, name);
+            let crush = |v: &Sampled| integral(v).samples().iter().copied().fold(0.0, f64::max);
+            let edges = edges(crush(&v).min(crush(&v_simulated)));
+            let accuracy = Accuracy::of_sensor((0.755, 0.0095), (17.7, 0.175), ring(&v, 0.077));
+            let means = |v: &Sampled, force: &Sampled, accuracy| -> [Vec<MeanForce>; 2] {
+                let x = integral(v);
+                [by_deceleration(1500.0, &x, v, &edges, accuracy), by_wall(force, &x, &edges, accuracy)]
+            };
+            let [a, b] = [means(&v, &force, accuracy), means(&v_simulated, &f_simulated, Accuracy::default())];
+            let [felt, wall] = [0, 1].map(|k| ratios(&edges, &a[k], &b[k]));
+            let of_truth = truth["ratio_by_segment"].as_array().unwrap();
+            assert_eq!(felt.len(), of_truth.len(), "{name}");
+            // The ring of 2 g moves the mean by 2 kN of 8 in the first segment, by 5 of 86 in the second.
+            let tolerance = |k: usize| if k == 1 { 0.07 } else { 0.02 };
+            for (k, of_truth) in of_truth.iter().enumerate().skip(1) {
+                let keys = ["simulation_over_test_mass_times_deceleration", "simulation_over_test_wall_force"];
+                for (key, segment) in keys.iter().zip([&felt[k], &wall[k]]) {
+                    let expected = of_truth[key].as_f64().unwrap();
+                    assert!((segment.ratio.unwrap() - expected).abs() < tolerance(k), "{name} {key}: {segment:?} {expected}");
+                }
+            }
+            let place = Place::of(&felt, &wall, false);
+            match (name, &place) {
+                ("s1", Place::Nowhere { by_wall: true }) => {}
+                ("s2", Place::Front { at, .. }) => assert_eq!((at.from_m, at.to_m), (0.1, 0.5), "{place:?}"),
+                ("s3", Place::Middle { .. }) => {}
+                _ => panic!("{name}: {place:?} {felt:?} {wall:?}"),
+            }
+        }
+    }
+}
