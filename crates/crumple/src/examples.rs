@@ -75,7 +75,7 @@ const EXAMPLES: &[(&str, [Example; 3])] = &[
                 "two runs on one page, and for a merge request",
                 "compare runs/crumple-demo/default runs/cfc180 --markdown review.md",
             ),
-            ("a simulation (here another run) against its test", "compare runs/crumple-demo/default runs/heavy --validate"),
+            ("a simulation, here another run, and its test", "compare runs/crumple-demo/default runs/heavy --validate"),
             (
                 "the same with limits, for CI",
                 "compare runs/crumple-demo/default runs/cfc180 --validate --require 'crush<=20mm'",

@@ -5,12 +5,12 @@ use serde::Serialize;
 
 /// Length of a segment, m.
 pub const SEGMENT_M: f64 = 0.1;
-/// Two tests of equal cars differ too: a ratio within this share of 1 is none. An assumption, which the sentences state.
+/// Two tests of equal cars differ too: a ratio within this share of 1 is none. It is assumed, and the sentences say so.
 pub const REPEAT_SCATTER: f64 = 0.05;
 /// Standard deviation of the sum of load cells, as a share: an assumption, that of an accelerometer of ±1 %.
 pub const GAIN_OF_WALL: f64 = 0.006;
-/// Half of the window through which a velocity is smoothed to see its ring, s: a period of 80 Hz. The sills of cars ring
-/// above that; the pulse itself is a parabola in it.
+/// Half of the window through which a velocity is smoothed to see its ring, s: the window is a period of 80 Hz. Sills
+/// ring above that; the pulse itself is a parabola in it.
 const HALF_WINDOW_S: f64 = 6e-3;
 /// A mean force with a larger standard deviation than this share of it has no ratio.
 const UNKNOWN: f64 = 0.3;
@@ -69,8 +69,8 @@ fn crossing(displacement: &Sampled, x: f64) -> Option<f64> {
 
 /// Mean of mass times deceleration over each segment: `m (v1² - v2²) / (2 (x2 - x1))`, from the velocity alone.
 ///
-/// Exact for a velocity that is. Its error σ moves the mean by `m v σ √2 / (x2 - x1)`. Empty where the displacement does
-/// not reach the last edge.
+/// Exact for a velocity that is. Its error σ moves the mean by `m v σ √2 / (x2 - x1)`. Empty where the displacement
+/// does not reach the last edge.
 pub fn by_deceleration(
     mass_kg: f64,
     displacement: &Sampled,
