@@ -71,9 +71,15 @@ const EXAMPLES: &[(&str, [Example; 3])] = &[
     (
         "compare",
         [
-            ("two runs on one page", "compare runs/crumple-demo/default runs/cfc180"),
-            ("a page of another name", "compare runs/crumple-demo/default runs/heavy -o mass.html"),
-            ("for a merge request", "compare runs/crumple-demo/default runs/cfc180 --markdown review.md"),
+            (
+                "two runs on one page, and for a merge request",
+                "compare runs/crumple-demo/default runs/cfc180 --markdown review.md",
+            ),
+            ("a simulation, here another run, and its test", "compare runs/crumple-demo/default runs/heavy --validate"),
+            (
+                "the same with limits, for CI",
+                "compare runs/crumple-demo/default runs/cfc180 --validate --require 'crush<=20mm'",
+            ),
         ],
     ),
     (

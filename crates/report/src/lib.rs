@@ -12,6 +12,7 @@ mod index;
 mod page;
 pub mod run_numbers;
 mod stage;
+mod validate;
 pub mod words;
 
 pub use compare::causes::name_of_cause;

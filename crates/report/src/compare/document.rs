@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use crumple_diff::DiffError;
 
+use crate::drawing::Figure;
 use crate::drawing::escape::{address, html};
 use crate::drawing::numbers::ABSENT;
 use crate::findings::{HEAD, conclusion, markdown};
@@ -30,10 +31,23 @@ const SETTING: &str = "Setting";
 #[derive(Debug)]
 pub struct RunComparison<'a> {
     runs: &'a [ComparedRun],
-    names: Vec<String>,
-    /// Heading, what the first column is, rows.
-    tables: Vec<(&'static str, &'static str, Vec<Row>)>,
+    title: String,
+    sections: Vec<Section>,
     sentences: Vec<String>,
+    figures: Vec<Figure>,
+}
+
+/// A table under a heading.
+#[derive(Debug, Clone)]
+pub struct Section {
+    /// The heading.
+    pub heading: String,
+    /// What the first column is.
+    pub of: &'static str,
+    /// Heads of the others.
+    pub columns: Vec<String>,
+    /// The rows.
+    pub rows: Vec<Row>,
 }
 
 impl<'a> RunComparison<'a> {
@@ -45,14 +59,38 @@ impl<'a> RunComparison<'a> {
         let [numbers, models, predictions] = number_rows(runs, &within(&engineering(), &limits)?);
         let made = settings::rows(runs);
         let sentences = vec![made_of(runs, &made), what_differs(&numbers, &models, !limits.is_empty())];
-        let mut tables = vec![
+        let columns: Vec<String> = runs.iter().map(|run| run.name.clone()).collect();
+        let tables = [
             (KEY_NUMBERS, NUMBER, numbers),
             ("Recommended models", "Of the model", models),
             ("Predictions of the recommended models", "Prediction", predictions),
             ("What the runs were made with", SETTING, made),
         ];
-        tables.retain(|(_, _, rows)| !rows.is_empty());
-        Ok(Self { runs, names: runs.iter().map(|run| run.name.clone()).collect(), tables, sentences })
+        let section = |(heading, of, rows): (&str, _, _)| Section {
+            heading: heading.to_owned(),
+            of,
+            columns: columns.clone(),
+            rows,
+        };
+        let sections = tables.into_iter().map(section).filter(|section| !section.rows.is_empty()).collect();
+        let title = format!("{} runs compared", runs.len());
+        Ok(Self { runs, title, sections, sentences, figures: figure(runs).into_iter().collect() })
+    }
+
+    /// The same page about a simulation and its test: what it comes to, its tables in front of what the runs were made
+    /// with and in place of the recommended models, its figures.
+    #[must_use]
+    pub fn of_simulations(
+        mut self,
+        title: String,
+        sentences: Vec<String>,
+        sections: Vec<Section>,
+        figures: Vec<Figure>,
+    ) -> Self {
+        let made = self.sections.iter().filter(|section| section.of == SETTING).cloned().collect::<Vec<_>>();
+        self.sections.retain(|section| section.of == NUMBER);
+        self.sections.extend(sections.into_iter().filter(|section| !section.rows.is_empty()).chain(made));
+        Self { title, sentences, figures, ..self }
     }
 
     /// What differs, in two sentences.
@@ -64,32 +102,41 @@ impl<'a> RunComparison<'a> {
     pub fn lines(&self) -> Vec<String> {
         let is_number = |of: &str| of == NUMBER;
         let rows = self
-            .tables
+            .sections
             .iter()
-            .filter(|(_, of, _)| *of != SETTING)
-            .flat_map(|(_, of, rows)| rows.iter().filter(move |row| is_number(of) || row.differs()));
+            .filter(|section| section.of != SETTING)
+            .flat_map(|section| section.rows.iter().filter(move |row| is_number(section.of) || row.differs()));
         let shown: Vec<&Row> = rows.collect();
-        to_lines(&self.names, &shown)
+        to_lines(self.sections.first().map(|section| &section.columns[..]).unwrap_or_default(), &shown)
+    }
+
+    /// All tables but what the runs were made with, each under its heading.
+    pub fn tables_as_lines(&self) -> Vec<String> {
+        let of_section = |section: &Section| {
+            let rows: Vec<&Row> = section.rows.iter().collect();
+            let heading = [String::new(), section.heading.clone()];
+            heading.into_iter().chain(to_lines(&section.columns, &rows)).collect::<Vec<_>>()
+        };
+        self.sections.iter().filter(|section| section.of != SETTING).flat_map(of_section).collect()
     }
 
     /// The page.
     pub fn to_html(&self) -> String {
-        let drawn: Vec<_> = figure(self.runs).into_iter().collect();
-        let title = self.title();
+        let (drawn, title) = (&self.figures, html(&self.title));
         let said: String = self.sentences.iter().map(|text| format!("<p>{}</p>\n", html(text))).collect();
         let mut body = format!(
             "<header>\n<p class=\"brand\">Crumple · comparison of runs</p>\n<h1>{title}</h1>\n\
              <section class=\"verdict\" aria-label=\"What differs\">\n{said}</section>\n</header>\n<main>\n"
         );
-        let mut figures_to_come = Some(&drawn);
-        for (heading, of, rows) in &self.tables {
+        let mut figures_to_come = Some(drawn);
+        for Section { heading, of, columns, rows } in &self.sections {
             // Figures go before the settings.
             if *of == SETTING
                 && let Some(drawn) = figures_to_come.take()
             {
                 figures::write(&mut body, drawn, "h2");
             }
-            let table = to_html(of, &self.names, rows);
+            let (heading, table) = (html(heading), to_html(of, columns, rows));
             body.push_str(&format!("<section>\n<h2>{heading}</h2>\n{table}</section>\n"));
         }
         body.push_str("<section>\n<h2>What each run says</h2>\n");
@@ -113,21 +160,17 @@ impl<'a> RunComparison<'a> {
         body.push_str("</section>\n");
         body.push_str("</main>\n");
         let style = [include_str!("style.css"), &figures::toggle_rules(drawn.iter())].concat();
-        framed(&title, &style, &body, FIGURES)
-    }
-
-    fn title(&self) -> String {
-        format!("{} runs compared", self.runs.len())
+        framed(&self.title, &style, &body, FIGURES)
     }
 
     /// The tables as Markdown, for a merge request; `again` is the command that makes it.
     pub fn to_markdown(&self, again: &str) -> String {
-        let mut text = format!("{HEAD}## {}\n\n", self.title());
+        let mut text = format!("{HEAD}## {}\n\n", markdown(&self.title));
         for sentence in &self.sentences {
             text.push_str(&format!("{}\n", markdown(sentence)));
         }
-        for (heading, of, rows) in &self.tables {
-            text.push_str(&format!("\n### {heading}\n\n{}", to_markdown(of, &self.names, rows)));
+        for Section { heading, of, columns, rows } in &self.sections {
+            text.push_str(&format!("\n### {}\n\n{}", markdown(heading), to_markdown(of, columns, rows)));
         }
         text + &command_again(again)
     }

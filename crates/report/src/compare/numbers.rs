@@ -25,7 +25,8 @@ pub fn number_rows(runs: &[ComparedRun], settings: &CompareSettings) -> [Vec<Row
     [key_numbers.collect(), models, of(Group::Prediction).map(row).collect()]
 }
 
-fn row(quantity: &Quantity) -> Row {
+/// What every run says of a quantity.
+pub fn row(quantity: &Quantity) -> Row {
     let cell = |k| Cell { text: quantity.shown(k), beside: quantity.beside(k), differs: quantity.differs(k) };
     Row { name: quantity.name.clone(), cells: (0..quantity.values.len()).map(cell).collect() }
 }

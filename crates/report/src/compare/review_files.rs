@@ -245,13 +245,25 @@ fn xml(text: &str) -> String {
 }
 
 /// What became of a case: `None` passed, else whether it is an error and what was found.
-type Case = (&'static str, String, Option<(bool, String)>);
+pub type Case = (&'static str, String, Option<(bool, String)>);
+
+/// Cases of one record or simulation.
+#[derive(Debug)]
+pub struct Suite {
+    /// Its name.
+    pub name: String,
+    /// What stands behind a case that failed.
+    pub cause: String,
+    /// What an error is called.
+    pub error: &'static str,
+    /// The cases.
+    pub cases: Vec<Case>,
+}
 
 /// JUnit: one suite a record, a case a key number, parameter, prediction that differs or is a key number, what else
 /// differs, and file; a record that cannot be compared is an error.
 pub fn to_junit(compared: &[Compared]) -> String {
-    let mut text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"crumple diff\">\n".to_owned();
-    for one in compared {
+    let suite = |one: &Compared| {
         let (cause, cases) = match one.review() {
             Some((review, comparison)) => (format!("cause: {}", review.cause()), cases_of(review, comparison)),
             None => {
@@ -259,24 +271,33 @@ pub fn to_junit(compared: &[Compared]) -> String {
                 (one.said_word().to_owned(), vec![("records", "results of the record".to_owned(), problem)])
             }
         };
+        Suite { name: one.name.clone(), cause, error: one.word(), cases }
+    };
+    junit("crumple diff", "different", &compared.iter().map(suite).collect::<Vec<_>>())
+}
+
+/// JUnit of the suites of a program; `failure` is what a failed case is called.
+pub fn junit(program: &str, failure: &str, suites: &[Suite]) -> String {
+    let mut text = format!("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"{program}\">\n");
+    for Suite { name, cause, error, cases } in suites {
         let count = |is_error: bool| {
             cases.iter().filter(|(_, _, problem)| problem.as_ref().is_some_and(|(error, _)| *error == is_error)).count()
         };
-        let name = xml(&one.name);
+        let name = xml(name);
         text.push_str(&format!(
-            "<testsuite name=\"crumple diff: {name}\" tests=\"{}\" failures=\"{}\" errors=\"{}\">\n",
+            "<testsuite name=\"{program}: {name}\" tests=\"{}\" failures=\"{}\" errors=\"{}\">\n",
             cases.len(),
             count(false),
             count(true)
         ));
-        for (group, case, problem) in &cases {
+        for (group, case, problem) in cases {
             let head = format!("<testcase classname=\"{name}.{group}\" name=\"{}\"", xml(case));
             let Some((is_error, problem)) = problem else {
                 text.push_str(&format!("{head}/>\n"));
                 continue;
             };
-            let (tag, kind) = if *is_error { ("error", one.word()) } else { ("failure", "different") };
-            let (problem, cause) = (xml(problem), xml(&cause));
+            let (tag, kind) = if *is_error { ("error", *error) } else { ("failure", failure) };
+            let (problem, cause) = (xml(problem), xml(cause));
             text.push_str(&format!("{head}><{tag} message=\"{problem}\" type=\"{kind}\">{cause}</{tag}></testcase>\n"));
         }
         text.push_str("</testsuite>\n");

@@ -8,42 +8,58 @@ use crate::{ComparedRun, RunComparison};
 use anyhow::Context;
 use crumple_artifact::{OutputKind, write_atomically};
 use crumple_stage::{
-    ExitStatus, Pipeline, Usage, artifacts_of_a_run, by_way, columns, keep_budget, load_artifacts, refuse_to_overwrite,
-    say, told_apart, wrapped,
+    ExitStatus, Inputs, Pipeline, Usage, artifacts_of_a_run, by_way, columns, keep_budget, load_artifacts,
+    refuse_to_overwrite, say, told_apart, wrapped,
 };
 
 use super::gather::gather;
 use super::results::limits_of;
 use super::run_folders::address;
 
-/// Reads run folders and writes the page that compares them, and its tables as Markdown where asked for.
-pub fn compare(folders: &[PathBuf], page: &Path, markdown: Option<&Path>, quiet: bool) -> anyhow::Result<ExitStatus> {
+/// Reads a run folder; what is written is not one of its files.
+pub fn read_run(folder: &Path, name: String, page: &Path) -> anyhow::Result<(ComparedRun, Inputs)> {
+    let artifacts = artifacts_of_a_run(folder)?;
+    let is_earlier = Pipeline::failure_in(folder).is_some();
+    let name = if is_earlier { format!("{name} (results of an earlier run)") } else { name };
+    refuse_to_overwrite(page, OutputKind::Report, &artifacts)?;
+    keep_budget(&artifacts, ExitStatus::Refused);
+    let note = Some(folder.join(Pipeline::OF_A_RUN)).filter(|note| note.is_file());
+    let pipeline = note.map(|note| Pipeline::read(&note, None)).transpose()?;
+    let inputs = load_artifacts(&artifacts)?.input;
+    let mut run = gather(&inputs, pipeline.as_ref())?;
+    let limits = pipeline.as_ref().map(limits_of).unwrap_or_default();
+    run.pipeline = pipeline.and_then(|pipeline| pipeline.name().map(str::to_owned));
+    let report = address(page, &folder.join("report.html"));
+    Ok((ComparedRun { limits, ..ComparedRun::new(name, report, run) }, inputs))
+}
+
+/// Errors: fewer than two runs.
+pub fn refuse_one_run(folders: &[PathBuf]) -> anyhow::Result<()> {
     if folders.len() < 2 {
         return Err(Usage::new("one run has nothing to be compared with").hint("name two run folders or more").into());
     }
+    Ok(())
+}
+
+/// The command that makes a Markdown of these runs again.
+pub fn command_again(folders: &[PathBuf], flag: Option<&str>, markdown: &Path) -> String {
+    let named = folders.iter().map(PathBuf::as_path).chain(flag.map(Path::new));
+    let words: Vec<String> =
+        named.chain([Path::new("--markdown"), markdown]).map(|word| shell_word(&word.display().to_string())).collect();
+    format!("{} {}", by_way("just compare", "crumple compare"), words.join(" "))
+}
+
+/// Reads run folders and writes the page that compares them, and its tables as Markdown where asked for.
+pub fn compare(folders: &[PathBuf], page: &Path, markdown: Option<&Path>, quiet: bool) -> anyhow::Result<ExitStatus> {
+    refuse_one_run(folders)?;
     let mut runs = Vec::new();
     for (folder, name) in folders.iter().zip(told_apart(folders)) {
-        let artifacts = artifacts_of_a_run(folder)?;
-        let is_earlier = Pipeline::failure_in(folder).is_some();
-        let name = if is_earlier { format!("{name} (results of an earlier run)") } else { name };
-        refuse_to_overwrite(page, OutputKind::Report, &artifacts)?;
-        keep_budget(&artifacts, ExitStatus::Refused);
-        let note = Some(folder.join(Pipeline::OF_A_RUN)).filter(|note| note.is_file());
-        let pipeline = note.map(|note| Pipeline::read(&note, None)).transpose()?;
-        let mut run = gather(&load_artifacts(&artifacts)?.input, pipeline.as_ref())?;
-        let limits = pipeline.as_ref().map(limits_of).unwrap_or_default();
-        run.pipeline = pipeline.and_then(|pipeline| pipeline.name().map(str::to_owned));
-        let report = address(page, &folder.join("report.html"));
-        runs.push(ComparedRun { limits, ..ComparedRun::new(name, report, run) });
+        runs.push(read_run(folder, name, page)?.0);
     }
     let comparison = RunComparison::new(&runs)?;
     write(page, OutputKind::Report, &comparison.to_html())?;
     if let Some(path) = markdown {
-        let named = folders.iter().map(PathBuf::as_path);
-        let words: Vec<String> =
-            named.chain([Path::new("--markdown"), path]).map(|word| shell_word(&word.display().to_string())).collect();
-        let again = format!("{} {}", by_way("just compare", "crumple compare"), words.join(" "));
-        write(path, OutputKind::Markdown, &comparison.to_markdown(&again))?;
+        write(path, OutputKind::Markdown, &comparison.to_markdown(&command_again(folders, None, path)))?;
     }
     if !quiet {
         let columns = columns();

@@ -10,6 +10,7 @@ mod pictures;
 mod results;
 mod run_folders;
 pub mod together;
+mod validate;
 
 use std::fs::{self, File};
 use std::io::Write;
@@ -161,9 +162,10 @@ pub struct IndexCli {
     quiet: bool,
 }
 
-/// Several runs on one page: curves over each other, numbers and settings side by side, differences marked.
+/// Several runs on one page: curves over each other, numbers and settings side by side, differences marked; or
+/// simulations against their test.
 #[derive(Debug, clap::Parser)]
-#[command(name = "crumple-compare", version)]
+#[command(name = "crumple-compare", version, after_long_help = crate::validate::requirements::help())]
 pub struct CompareCli {
     /// Run folders.
     #[arg(required = true, value_name = "RUN")]
@@ -174,6 +176,8 @@ pub struct CompareCli {
     /// Markdown to write too, for a merge request: what the page says first.
     #[arg(long, value_name = "FILE")]
     markdown: Option<PathBuf>,
+    #[command(flatten)]
+    validation: validate::ValidateArgs,
     /// No summary on stderr.
     #[arg(short, long)]
     quiet: bool,
@@ -186,7 +190,13 @@ pub const INDEX: Program = Program::of_tool::<IndexCli>("index", |call| {
 
 /// `crumple-report --compare` by itself.
 pub const COMPARE: Program = Program::of_tool::<CompareCli>("compare", |call| {
-    run_tool(call, |cli: CompareCli| compare::compare(&cli.inputs, &cli.output, cli.markdown.as_deref(), cli.quiet))
+    run_tool(call, |cli: CompareCli| {
+        let CompareCli { inputs, output, markdown, validation, quiet } = &cli;
+        match validation.validate {
+            true => validate::validate(inputs, output, markdown.as_deref(), validation, *quiet),
+            false => compare::compare(inputs, output, markdown.as_deref(), *quiet),
+        }
+    })
 });
 
 /// Reads the artifacts and writes both files.

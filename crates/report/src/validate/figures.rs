@@ -1,0 +1,106 @@
+//! The curves of test and simulations over each other, and the ratio of force by segment.
+
+use super::segments::{REPEAT_SCATTER, Segment};
+use super::validation::{Side, Validation};
+use crate::drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI};
+use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over_time};
+use crate::figures::crash::curves::view_ms;
+use crate::figures::time_view::{ACCELERATION, FORCE, VELOCITY, over_time_axis};
+use crumple_signal::Sampled;
+
+/// Velocity, acceleration and wall force over time, wall force over crush, energies, ratio by segment.
+pub fn figures(test: &Side<'_>, simulations: &[Side<'_>], validations: &[Validation]) -> Vec<Figure> {
+    let mut curves = Figure::new("validation", "Test and simulation");
+    let sides: Vec<(&Side<'_>, usize)> = std::iter::once(test)
+        .chain(simulations)
+        .enumerate()
+        .map(|(k, side)| {
+            let look = match k.checked_sub(1) {
+                None => Look::line(Colour::Test, Dash::Solid).width(Width::Thick),
+                Some(k) => Look::of_series(k),
+            };
+            (side, curves.entry(side.run.name.clone(), look, true))
+        })
+        .collect();
+    type Wave = for<'a> fn(&'a Side<'_>) -> Option<&'a Sampled>;
+    let waves: [(&str, f64, Wave); 3] = [
+        (VELOCITY, KM_PER_H_PER_M_PER_S, |side| side.run.run.measured.velocity.as_ref()),
+        (ACCELERATION, G_PER_M_PER_S2, |side| side.run.run.acceleration()),
+        ("wall force, kN", KILO, |side| side.run.run.measured.barrier_force.as_ref()),
+    ];
+    let view = view_ms(&test.run.run);
+    for (title, factor, wave) in waves {
+        let mut panel = over_time_axis(view, Axis::new(title));
+        for (side, entry) in &sides {
+            wave(side).into_iter().for_each(|wave| panel.line(*entry, over_time(wave, factor)));
+        }
+        curves.panels.push(panel);
+    }
+    let mut over_crush = Panel::new(Axis::new("crush, mm"), Axis::new(FORCE));
+    for (side, entry) in &sides {
+        over_crush.line(*entry, force_over_crush(side).unwrap_or_default());
+    }
+    curves.panels.push(over_crush);
+    curves.caption = "Time from contact. Force over crush: that of the wall where the run has one, else mass times \
+                      deceleration; up to the end of crush."
+        .to_owned();
+    let mut energies = Figure::new("energies", "Energies of the simulation");
+    for side in simulations {
+        let mut panel = over_time_axis(view, Axis::new(format!("{}, kJ", side.run.name)));
+        for (k, (name, wave)) in side.model.0.iter().filter(|(name, _)| name.ends_with("_energy")).enumerate() {
+            if wave.samples().iter().any(|x| *x != 0.0) {
+                let entry = energies.entry(name.replace('_', " "), Look::of_series(k), true);
+                panel.line(entry, over_time(wave, KILO));
+            }
+        }
+        energies.panels.push(panel);
+    }
+    let all = [curves, energies, ratio(validations)];
+    all.into_iter().map(Figure::tidy).filter(|figure| !figure.panels.is_empty()).collect()
+}
+
+fn force_over_crush(side: &Side<'_>) -> Option<Vec<[f64; 2]>> {
+    let run = &side.run.run;
+    let x = run.measured.displacement.as_ref()?;
+    let end_s = run.time_of_crush_s()?;
+    let mass_kg = run.test.mass_kg;
+    let force = |t: f64| match &run.measured.barrier_force {
+        Some(force) => force.at(t),
+        None => Some(-mass_kg? * run.acceleration()?.at(t)?),
+    };
+    let inside = x.times_s().zip(x.samples()).filter(|(t, _)| (0.0..=end_s).contains(t));
+    Some(inside.filter_map(|(t, x)| Some([MILLI * x, KILO * force(t)?])).collect())
+}
+
+/// The ratio of mean force by segment with its interval.
+fn ratio(validations: &[Validation]) -> Figure {
+    let mut figure = Figure::new("ratio", "Force of the simulation over that of the test, by segment");
+    let mut panel = Panel::new(Axis::new("crush, mm"), Axis::new("ratio"));
+    let mut series = 0;
+    for one in validations {
+        let all: [(&str, &[Segment]); 2] = [("wall force", &one.wall), ("deceleration", &one.deceleration)];
+        for (what, segments) in all.into_iter().filter(|(_, segments)| !segments.is_empty()) {
+            let entry = figure.entry(format!("{}, {what}", one.name), Look::of_series(series), true);
+            series += 1;
+            let known: Vec<(&Segment, [f64; 3])> =
+                segments.iter().filter_map(|one| Some((one, [one.ratio?, one.low?, one.high?]))).collect();
+            let ends = |segment: &Segment| [MILLI * segment.from_m, MILLI * segment.to_m];
+            panel.line(entry, known.iter().flat_map(|(s, [ratio, ..])| ends(s).map(|x| [x, *ratio])).collect());
+            let band: Vec<[f64; 3]> =
+                known.iter().flat_map(|(s, [_, low, high])| ends(s).map(|x| [x, *low, *high])).collect();
+            panel.band(entry, &band);
+        }
+    }
+    let end = validations.iter().flat_map(|one| &one.deceleration).map(|s| MILLI * s.to_m).fold(0.0, f64::max);
+    if end > 0.0 {
+        let entry = figure.entry("two equal tests", Look::line(Colour::Muted, Dash::Dotted), true);
+        for limit in [1.0 - REPEAT_SCATTER, 1.0 + REPEAT_SCATTER] {
+            panel.line(entry, vec![[0.0, limit], [end, limit]]);
+        }
+    }
+    figure.panels.push(panel);
+    figure.caption = "Bands: 90 % intervals by the error of the test's sensor. Two tests of equal cars are taken to \
+                      differ by up to 5 %."
+        .to_owned();
+    figure
+}
