@@ -287,12 +287,13 @@ remarks! {
         let [end, lowest, change] = [Some(*end_velocity_m_per_s), *lowest_m_per_s, *delta_v_m_per_s]
             .map(|speed| speed.map_or_else(String::new, |speed| format!("{:.1} km/h", 3.6 * speed)));
         let rises = lowest_m_per_s.is_some_and(|lowest| end_velocity_m_per_s - lowest >= EDR_CHANGE_M_PER_S);
-        let after = if rises { " and rises after that (drift, rotation or another push)" } else { "" };
+        let after = format!(". It rises after that, to {end} at the end: drift, rotation or another push");
         match (time_s, end_of_event) {
             (Some(time_s), Some(event)) => format!(
-                "{text}. It is lowest, {lowest}, at {:.1} ms: delta-v {change}{}. It is {end} at the end of the record{after}",
+                "{text}. It is lowest, {lowest}, at {:.1} ms: delta-v {change}{}{}",
                 1e3 * time_s,
                 if event == EventEnd::Record.name() { ", a lower bound, for it still changes there" } else { "" },
+                if rises { after.as_str() } else { "" }
             ),
             _ => format!("{text}. It is {end} at the end of the record"),
         }
@@ -406,8 +407,8 @@ remarks! {
            acceleration does."
     remedy "check the impact speed first, then unit, zero level and class of the channel"
     says format!(
-        "check the impact speed ({:.1} km/h): the car would rebound at {:.0} % of it, at this speed cars stay below {:.0} \
-         %. {} unit, zero level and class of the channel",
+        "check the impact speed ({:.1} km/h): the car would rebound at {:.0} % of it, at this speed cars stay below \
+         {:.0} %. {} unit, zero level and class of the channel",
         3.6 * impact_speed_m_per_s,
         100.0 * restitution,
         100.0 * largest,
@@ -475,8 +476,8 @@ mod tests {
     fn a_record_that_ends_too_early_says_at_which_velocity() {
         assert_eq!(
             notes_of(vec![-2.0; 3]),
-            ["warning: the velocity never reaches zero, the record ends at v = 2.000 m/s: dynamic crush and \
-                 rebound are not in the record"]
+            ["warning: the velocity never reaches zero: dynamic crush and rebound are not in the record. It is 7.2 \
+                 km/h at the end of the record"]
         );
     }
 

@@ -82,15 +82,15 @@ impl RunIndex<'_> {
     pub fn lines(&self) -> Vec<String> {
         let name = |run: &IndexedRun<'_>| run.name.chars().count();
         let width = self.runs.iter().map(name).max().unwrap_or(0).clamp("run".len(), LONGEST_NAME);
-        let heads: String = IN_TERMINAL.iter().map(|quantity| format!(" {:>9}", quantity.head())).collect();
+        let column = |quantity: &RunNumber| quantity.head().chars().count().max(NARROWEST);
+        let in_column = |quantity: &RunNumber, text: &str| format!("  {text:>width$}", width = column(quantity));
+        let heads: String = IN_TERMINAL.iter().map(|quantity| in_column(quantity, &quantity.head())).collect();
         let mut lines = vec![format!("{:<width$}{heads}  status", "run")];
         lines.extend(self.runs.iter().map(|run| {
             let number = |quantity: &RunNumber| run.summary.and_then(|summary| quantity.value(summary));
-            let numbers: String = IN_TERMINAL
-                .iter()
-                .map(|quantity| number(quantity).map_or_else(String::new, |value| words::significant(value, DIGITS)))
-                .map(|text| format!(" {text:>9}"))
-                .collect();
+            let shown = |value: Option<f64>| value.map_or_else(String::new, |value| words::significant(value, DIGITS));
+            let numbers: String =
+                IN_TERMINAL.iter().map(|quantity| in_column(quantity, &shown(number(quantity)))).collect();
             let said = match run.summary.filter(|_| run.is_done()) {
                 Some(summary) => summary.verdict.status_sentence.clone(),
                 None => format!("{}: {}", status(run.exit_code), run.first_warning()),
@@ -281,6 +281,9 @@ const NUMBERS: [RunNumber; 9] = [SPEED, MASS, CRUSH, TIME_OF_CRUSH, DELTA_V, PEA
 
 /// Numbers that a line of a terminal has room for.
 const IN_TERMINAL: [RunNumber; 4] = [SPEED, CRUSH, DELTA_V, PEAK];
+
+/// Fewest characters of a column of numbers in a terminal.
+const NARROWEST: usize = 6;
 
 /// Most characters of a name in a terminal.
 const LONGEST_NAME: usize = 28;

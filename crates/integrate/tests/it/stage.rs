@@ -84,9 +84,8 @@ fn a_velocity_that_never_reaches_zero_is_a_result_with_a_note() {
     // The speed is not doubted: what the record does not show may stop it.
     assert_eq!(
         notes.notes[..],
-        ["warning: the velocity never reaches zero, the record ends at v = 10.020 m/s: dynamic crush and \
-          rebound are not in the record; delta-v is 29.980 m/s at 149.9 ms, the lowest velocity up to the end of the \
-          event at 149.9 ms (end of the record): a lower bound, it still changes there"]
+        ["warning: the velocity never reaches zero: dynamic crush and rebound are not in the record. It is lowest, \
+          36.1 km/h, at 149.9 ms: delta-v 107.9 km/h, a lower bound, for it still changes there"]
     );
 }
 
@@ -318,7 +317,8 @@ fn a_vehicle_that_does_not_stop_has_its_delta_v_and_the_end_of_its_event() {
     let metric = find(&metrics(&artifact), "p", "delta_v");
     assert!(metric.definition.contains("never reaches zero, the event ends at"), "{}", metric.definition);
     assert!(
-        notes(&artifact).contains("dynamic crush and rebound are not in the record; delta-v is 10.186 m/s at"),
+        // 10.186 m/s of 15.
+        notes(&artifact).contains("not in the record. It is lowest, 17.3 km/h, at 100.0 ms: delta-v 36.7 km/h\n"),
         "{}",
         notes(&artifact)
     );
@@ -327,7 +327,7 @@ fn a_vehicle_that_does_not_stop_has_its_delta_v_and_the_end_of_its_event() {
     let input = filtered_channels(folder.path(), &[(accelerometer("p", Axis::X, 60), Some(cut))], Some(15.0));
     let artifact = result(&input, &["--force"]);
     assert_eq!(events(&artifact).end_of_event_rule.as_deref(), Some("end of the record"));
-    assert!(notes(&artifact).contains("a lower bound, it still changes there"), "{}", notes(&artifact));
+    assert!(notes(&artifact).contains("a lower bound, for it still changes there"), "{}", notes(&artifact));
 }
 
 #[test]

@@ -137,8 +137,8 @@ fn segments(test: &Side<'_>, simulation: &Side<'_>) -> Option<[Vec<Segment>; 3]>
     ])
 }
 
-/// Candidates of one family in both runs, with the same parameters: those with the fewest undetermined ones, of them the
-/// closest by the worse of both fits.
+/// Candidates of one family in both runs, with the same parameters: those with the fewest undetermined ones, of them
+/// the closest by the worse of both fits.
 fn family(test: &ComparedRun, simulation: &ComparedRun) -> Option<[String; 2]> {
     let fit = |run: &ComparedRun, id: &str| run.run.candidate(id).and_then(crate::CandidateResult::fit_percent);
     let pairs = test.summary.candidates.iter().filter_map(|a| {

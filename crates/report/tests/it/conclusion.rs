@@ -314,7 +314,7 @@ fn a_knot_of_a_curve_is_named_by_its_deflection() {
     let said = assert_numbers_are_those_of_the_summary(&run, &[]);
     assert_eq!(said[1].split(':').next(), Some("For other speeds use the force-deflection curve"));
     assert_eq!(said[2], "Not identifiable from this record: the force at 97\u{a0}mm.");
-    let because = "use its crush, not its parameters: 2 of 3 are well known";
+    let because = "use its crush, not its parameters: 2 of 3 are determined";
     assert_eq!(status_of(&run), format!("usable with care: {because}."));
 }
 
@@ -325,7 +325,7 @@ fn open_numbers_and_mirror_images_are_said() {
     open.uncertainty.as_mut().unwrap().standard_deviation.insert("damping_n_s_per_m".to_owned(), 5e3);
     let said = assert_numbers_are_those_of_the_summary(&run, &[]);
     assert_eq!(said[2], "Not identifiable from this record: c.");
-    assert!(status_of(&run).ends_with("1 of 2 is well known."), "{}", status_of(&run));
+    assert!(status_of(&run).ends_with("1 of 2 is determined."), "{}", status_of(&run));
     // Both at once: the status says the one, a sentence the other.
     run.candidates[0].record.equivalent_to = Some("kelvin/direct-fit/2".to_owned());
     assert_eq!(assert_numbers_are_those_of_the_summary(&run, &[])[2], said[2]);

@@ -2,7 +2,7 @@
 
 use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crate::words;
-use crumple_artifact::records::{EventsV1, MetricV1, ModeV1, PredictionV1, StabilizationV1};
+use crumple_artifact::records::{EventsV1, MetricV1, PredictionV1};
 use crumple_signal::About;
 use crumple_signal::key_quantities::{CRUSH, DELTA_V, OLC, PEAK, STIFFNESS, STROKE};
 use schemars::JsonSchema;
@@ -29,7 +29,7 @@ const COUNT: (f64, usize, &str) = (1.0, 0, "");
 /// How whole percentages are shown.
 const PERCENT: (f64, usize, &str) = (1.0, 0, "%");
 /// How fits are shown.
-const FIT: (f64, usize, &str) = (1.0, 1, "%");
+pub(super) const FIT: (f64, usize, &str) = (1.0, 1, "%");
 
 /// Where there is no motion to speak of.
 const NO_MOTION: &str = "This report holds no motion of a vehicle.";
@@ -410,52 +410,6 @@ impl<'a> Text<'a> {
         });
         let bound = bound_of_change(self.run);
         Some(format!("The record gives a delta-v of {bound}{change}{time}{peak}{olc}{stroke}."))
-    }
-
-    /// The recommended identified model, else the one that follows the record closest.
-    fn identified(&mut self) -> String {
-        if let Some(ambient) = self.run.ambient() {
-            return self.ambient(ambient);
-        }
-        let Some((k, model, fit)) = closest_identified(self.run) else {
-            return "No identified model has a fit.".to_owned();
-        };
-        let (id, fit) = (&model.id, self.number(&format!("/models/{k}/fit_percent"), fit, FIT));
-        let unseen = model.unseen_fit_percent().map_or_else(String::new, |unseen| {
-            let unseen = self.number(&format!("/models/{k}/unseen_fit_percent"), unseen, FIT);
-            format!(" (unseen samples: {unseen})")
-        });
-        if !model.holds() {
-            return format!("No identified model holds: the best, {id}, has a fit of {fit}{unseen}.");
-        }
-        // What grows is unstable, and no mode of what was measured.
-        let decays = |mode: &ModeV1| mode.im_rad_per_s > 0.0 && mode.re_per_s < 0.0;
-        let modes = model.modes.iter().enumerate().filter(|(_, mode)| decays(mode));
-        let slowest =
-            modes.min_by(|(_, a), (_, b)| a.natural_frequency_rad_per_s.total_cmp(&b.natural_frequency_rad_per_s));
-        let mode = slowest.map_or_else(String::new, |(j, mode)| {
-            let at = format!("/models/{k}/modes/{j}");
-            let hz = (1.0 / std::f64::consts::TAU, 2, "Hz");
-            let w = self.number(&format!("{at}/natural_frequency_rad_per_s"), mode.natural_frequency_rad_per_s, hz);
-            let damping = mode.damping_ratio.map_or_else(String::new, |ratio| {
-                let ratio = self.number(&format!("{at}/damping_ratio"), ratio, (1.0, 3, ""));
-                format!(", damping ratio {ratio}")
-            });
-            format!("; its slowest mode is at {w}{damping}")
-        });
-        let which = if self.run.is_recommended(id) { "recommended" } else { "closest" };
-        format!("The {which} identified model, {id}, has a fit of {fit}{unseen}{mode}.")
-    }
-
-    /// The modes of an ambient record, the slowest first.
-    fn ambient(&mut self, diagram: &StabilizationV1) -> String {
-        let mut all: Vec<f64> = diagram.clusters.iter().map(|c| c.natural_frequency_rad_per_s).collect();
-        all.sort_by(f64::total_cmp);
-        let shown: Vec<String> = all.iter().map(|w| words::quantity(w / std::f64::consts::TAU, 2, "Hz")).collect();
-        let modes = if shown.is_empty() { "none".to_owned() } else { shown.join(", ") };
-        format!(
-            "Nobody measured what drove this record. Modes that stay over model orders and in both halves: {modes}."
-        )
     }
 
     /// Which model to use, what it gives and what it does not; that none is recommended, and why.

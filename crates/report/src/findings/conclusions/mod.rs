@@ -3,6 +3,7 @@
 pub mod concerns;
 pub mod conclusion;
 pub mod distinct_curves;
+mod identified;
 pub mod key_numbers;
 pub mod kind;
 mod occupants;
