@@ -99,11 +99,11 @@ impl Typed {
     fn read(self, text: &str) -> Result<f64, String> {
         let said = |error: &dyn std::fmt::Display| error.to_string();
         match self {
-            Self::Length => text.parse::<Length>().map(|x| x.si()).map_err(|error| said(&error)),
-            Self::Time => text.parse::<Time>().map(|x| x.si()).map_err(|error| said(&error)),
-            Self::Speed => text.parse::<Speed>().map(|x| x.si()).map_err(|error| said(&error)),
-            Self::Acceleration => text.parse::<Level>().map(|x| x.si()).map_err(|error| said(&error)),
-            Self::Percent => text.parse::<Share>().map(|x| x.si()).map_err(|error| said(&error)),
+            Self::Length => text.parse::<Length>().map(Length::si).map_err(|error| said(&error)),
+            Self::Time => text.parse::<Time>().map(Time::si).map_err(|error| said(&error)),
+            Self::Speed => text.parse::<Speed>().map(Speed::si).map_err(|error| said(&error)),
+            Self::Acceleration => text.parse::<Level>().map(Level::si).map_err(|error| said(&error)),
+            Self::Percent => text.parse::<Share>().map(Share::si).map_err(|error| said(&error)),
             Self::Number => {
                 let number = text.parse::<f64>().ok().filter(|x| x.is_finite());
                 number.ok_or_else(|| format!("{text:?} is no number"))

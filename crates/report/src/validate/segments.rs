@@ -169,17 +169,19 @@ pub fn ratios(edges: &[f64], test: &[MeanForce], simulation: &[MeanForce]) -> Ve
 /// Root mean square of what a velocity has beside a parabola through 12 ms around each sample, up to `to_s`: its ring
 /// and noise, m/s. (Savitzky & Golay, Anal. Chem. 36, 1964: the parabola's value in the middle.)
 pub fn ring(velocity: &Sampled, to_s: f64) -> f64 {
-    let m = (HALF_WINDOW_S / velocity.dt_s()).round() as i64;
-    let [from, to] = [0.0, to_s].map(|t| velocity.index_at_or_after(t) as i64);
-    let (v, whole) = (velocity.samples(), m as f64);
+    let m = (HALF_WINDOW_S / velocity.dt_s()).round() as usize;
     if m < 2 {
         return 0.0;
     }
+    let [from, to] = [0.0, to_s].map(|t| velocity.index_at_or_after(t));
+    let whole = m as f64;
     let scale = (2.0 * whole - 1.0) * (2.0 * whole + 1.0) * (2.0 * whole + 3.0) / 3.0;
-    let weight = |k: i64| (3.0 * whole * whole + 3.0 * whole - 1.0 - 5.0 * (k * k) as f64) / scale;
-    let inside = (from.max(m)..to.min(v.len() as i64 - m)).map(|at| {
-        let smooth: f64 = (-m..=m).map(|k| weight(k) * v[(at + k) as usize]).sum();
-        (v[at as usize] - smooth).powi(2)
+    let weight = |k: f64| (3.0 * whole * whole + 3.0 * whole - 1.0 - 5.0 * k * k) / scale;
+    let weights: Vec<f64> = (0..=2 * m).map(|k| weight(k as f64 - whole)).collect();
+    let windows = velocity.samples().windows(weights.len()).enumerate();
+    let inside = windows.filter(|(first, _)| (from..to).contains(&(first + m))).map(|(_, window)| {
+        let smooth: f64 = weights.iter().zip(window).map(|(weight, v)| weight * v).sum();
+        (window[m] - smooth).powi(2)
     });
     let (count, sum) = inside.fold((0_u32, 0.0), |(count, sum), square| (count + 1, sum + square));
     if count == 0 { 0.0 } else { (sum / f64::from(count)).sqrt() }
