@@ -27,6 +27,9 @@ const NUMBER: &str = "Number";
 /// Heads the column of names of what the runs were made with.
 const SETTING: &str = "Setting";
 
+/// Heads the column of names of ratings.
+pub const RATING: &str = "Rating";
+
 /// Several runs beside each other.
 #[derive(Debug)]
 pub struct RunComparison<'a> {
@@ -35,6 +38,8 @@ pub struct RunComparison<'a> {
     sections: Vec<Section>,
     sentences: Vec<String>,
     figures: Vec<Figure>,
+    /// What the first column of the table is that the figures stand before.
+    figures_before: &'static str,
 }
 
 /// A table under a heading.
@@ -74,7 +79,14 @@ impl<'a> RunComparison<'a> {
         };
         let sections = tables.into_iter().map(section).filter(|section| !section.rows.is_empty()).collect();
         let title = format!("{} runs compared", runs.len());
-        Ok(Self { runs, title, sections, sentences, figures: figure(runs).into_iter().collect() })
+        Ok(Self {
+            runs,
+            title,
+            sections,
+            sentences,
+            figures: figure(runs).into_iter().collect(),
+            figures_before: SETTING,
+        })
     }
 
     /// The same page about a simulation and its test: what it comes to, its tables in front of what the runs were made
@@ -90,7 +102,7 @@ impl<'a> RunComparison<'a> {
         let made = self.sections.iter().filter(|section| section.of == SETTING).cloned().collect::<Vec<_>>();
         self.sections.retain(|section| section.of == NUMBER);
         self.sections.extend(sections.into_iter().filter(|section| !section.rows.is_empty()).chain(made));
-        Self { title, sentences, figures, ..self }
+        Self { title, sentences, figures, figures_before: RATING, ..self }
     }
 
     /// What differs, in two sentences.
@@ -130,14 +142,16 @@ impl<'a> RunComparison<'a> {
         );
         let mut figures_to_come = Some(drawn);
         for Section { heading, of, columns, rows } in &self.sections {
-            // Figures go before the settings.
-            if *of == SETTING
+            if *of == self.figures_before
                 && let Some(drawn) = figures_to_come.take()
             {
                 figures::write(&mut body, drawn, "h2");
             }
             let (heading, table) = (html(heading), to_html(of, columns, rows));
             body.push_str(&format!("<section>\n<h2>{heading}</h2>\n{table}</section>\n"));
+        }
+        if let Some(drawn) = figures_to_come {
+            figures::write(&mut body, drawn, "h2");
         }
         body.push_str("<section>\n<h2>What each run says</h2>\n");
         for run in self.runs {

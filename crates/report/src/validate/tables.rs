@@ -7,7 +7,7 @@ use super::requirements::shown;
 use super::segments::Segment;
 use super::validation::Validation;
 use crate::ComparedRun;
-use crate::compare::document::Section;
+use crate::compare::document::{RATING, Section};
 use crate::compare::numbers::row;
 use crate::compare::quantities::{Group, engineering, quantities};
 use crate::compare::review_files::Suite;
@@ -53,7 +53,7 @@ pub fn sections(test: &ComparedRun, simulations: &[ComparedRun], all: &[Validati
         ("Deceleration over the test's, by crush", 2),
     ];
     sections.extend(of_segments.map(|(heading, k)| section(heading, "Segment", by_segment(all, k))));
-    sections.push(section("Ratings, the test as reference", "Rating", ratings(all)));
+    sections.push(section("Ratings, the test as reference", RATING, ratings(all)));
     for (simulation, one) in simulations.iter().zip(all) {
         if let Some(family) = &one.family {
             sections.push(parameters([test, simulation], family));
