@@ -314,7 +314,7 @@ fn table(runs: &[IndexedRun<'_>]) -> String {
     }
     out.push_str(
         "<th scope=col>Status<th scope=col>Recommended<th scope=col>Numbers of it<th scope=col data-fixed>Pulse\
-         <th scope=col>First warning<th scope=col class=paper>Reason of the status",
+         <th scope=col>First warning",
     );
     if several {
         out.push_str("<th scope=col>Pipeline");
@@ -343,14 +343,14 @@ fn row(out: &mut String, run: &IndexedRun<'_>, several: bool) {
             let model = model.map_or_else(|| "none".to_owned(), |model| capitalised(&model));
             let answers = summary.verdict.answers().map(|(label, text)| format!("{label}: {text}"));
             let title = Vec::from_iter(std::iter::once(reason.to_owned()).chain(answers)).join("; ");
-            let (class, word) = summary.verdict.status.map_or(("", ""), |status| (class_of(status), status.word()));
-            write!(out, "<td class=\"{class}\" title=\"{}\">{word}<td>{}", html(&title), html(&model))
+            let (class, word) = summary.verdict.status.map_or(("none", ""), |status| (class_of(status), status.word()));
+            write!(out, "<td class={class} title=\"{}\">{word}<td>{}", html(&title), html(&model))
         }
         None if run.is_done() => write!(out, "<td><td>none"),
         None => write!(out, "<td><b>{}</b><td>", status(run.exit_code)),
     };
     let warning = &run.first_warning();
-    let _ = write!(out, "<td>{certainty}<td>{}<td>{}<td class=paper>{}", run.pulse, html(warning), html(reason));
+    let _ = write!(out, "<td>{certainty}<td>{}<td>{}", run.pulse, html(warning));
     if several {
         let _ = write!(out, "<td>{}", html(&run.variant));
     }
