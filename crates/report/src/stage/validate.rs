@@ -79,9 +79,7 @@ fn engine(inputs: &Inputs, run: &ComparedRun) -> Option<Sampled> {
     let channel = test.channels.iter().find(|channel| {
         let texts = [Some(channel.id.as_str()), Some(channel.location.as_str()), channel.code.as_deref()];
         let is_along = channel.axis.is_none_or(|axis| axis == crumple_signal::Axis::X);
-        // What a solver wrote as acceleration may be aliased.
-        let is_kept = channel.quantity == QuantityKind::Acceleration && !channel.id.ends_with("as_written");
-        is_kept && is_along && texts.into_iter().flatten().any(is_engine)
+        channel.quantity == QuantityKind::Acceleration && is_along && texts.into_iter().flatten().any(is_engine)
     })?;
     let settings = IntegrationSettings {
         rule: IntegrationRule::Trapezoid,

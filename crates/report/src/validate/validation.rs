@@ -5,7 +5,7 @@ use crumple_signal::{Sampled, TestDescription};
 use super::checks::{Impact, ModelRecords};
 use super::ratings::Rating;
 use super::requirements::Requirement;
-use super::segments::{Accuracy, Segment, by_deceleration, by_wall, edges, ratios, ring};
+use super::segments::{Accuracy, REPEAT_SCATTER, Segment, by_deceleration, by_wall, edges, ratios, ring};
 use super::verdict::{Difference, Place, Reason, Verdict};
 use crate::ComparedRun;
 use crate::drawing::numbers::MILLI;
@@ -16,15 +16,9 @@ use crate::words;
 const AFTER_CRUSH_S: f64 = 0.02;
 /// Masses and speeds that differ by more are another test, as shares.
 const SAME_TEST: f64 = 0.01;
-/// The remark that a record is a simulation, and those that say what was taken for its motion.
-const SIMULATED: &str = "CR170";
-const TAKEN: [(&str, &str); 5] = [
-    ("CR173", "motion"),
-    ("CR171", "units"),
-    ("CR174", "direction"),
-    ("CR175", "acceleration as written"),
-    ("CR186", "mass"),
-];
+/// Remarks that say what was taken for the motion of a simulation.
+const TAKEN: [(&str, &str); 5] =
+    [("CR171", "units"), ("CR173", "direction"), ("CR174", "acceleration"), ("CR177", "wall"), ("CR180", "states")];
 /// Names of the differences in a requirement.
 const DIFFERENCES: [(&str, &str); 6] = [
     ("crush", "dynamic_crush"),
@@ -74,7 +68,7 @@ pub struct Validation {
 impl Side<'_> {
     /// Whether it is the result of a simulation.
     fn is_simulated(&self) -> bool {
-        self.run.run.remarks.iter().any(|remark| remark.code == SIMULATED)
+        self.test().source.is_simulated()
     }
 
     fn number(&self, name: &str) -> Option<&KeyNumber> {
@@ -235,7 +229,8 @@ fn reasons(test: &Side<'_>, simulation: &Side<'_>) -> Vec<Reason> {
     let grave = simulation.run.run.remarks.iter().filter(|remark| remark.stage == "ingest" && remark.weight > 1);
     let remarks = grave.map(|remark| Reason::Remark { code: remark.code.clone(), text: remark.text.clone() });
     let verdict = &test.run.summary.verdict;
-    let unusable = (verdict.status == Some(Status::DoNotUse)).then(|| Reason::Test { text: verdict.because.clone() });
+    let unusable =
+        (verdict.status == Some(Status::DoNotUse)).then(|| Reason::Test { text: verdict.status_sentence.clone() });
     other.chain(remarks).chain(unusable).collect()
 }
 
@@ -254,7 +249,8 @@ fn assumed(test: &Side<'_>, simulation: &Side<'_>) -> Vec<(String, String)> {
         ),
     );
     add("Test: load cells", format!("±{} (1 σ)", words::quantity(100.0 * accuracy.gain_of_wall, 1, "%")));
-    add("Two equal tests differ", "by up to 5 % of force in a segment".to_owned());
+    let scatter = words::quantity(100.0 * REPEAT_SCATTER, 0, "%");
+    add("Two equal tests differ", format!("by up to {scatter} of force in a segment"));
     for (side, name) in [(test, "Test"), (simulation, "Simulation")] {
         let run = &side.run.run;
         let rule = run.events.as_ref().map(|events| events.time_zero_rule.clone()).unwrap_or_default();
