@@ -57,9 +57,7 @@ fn card(run: &Run, number: &KeyNumber, is_speed_in_doubt: bool) -> String {
         lines.push(format!("<span{class}>{count} sensors: {range}</span>"));
     }
     lines.extend(remark(run, number));
-    if is_speed_in_doubt && number.follows_from_speed() {
-        lines.push("if the impact speed is right".to_owned());
-    }
+    lines.extend(number.condition(is_speed_in_doubt).map(str::to_owned));
     let lines: String = lines.into_iter().map(|line| format!("<dd>{line}</dd>")).collect();
     format!(
         "<div class=\"card\" data-key=\"{}\"><dt>{}</dt>{shown}{lines}</div>\n",

@@ -135,9 +135,11 @@ impl KeyNumber {
         (STRAIGHT_DEG..=180.0 - STRAIGHT_DEG).contains(&degrees).then_some(side)
     }
 
-    /// Whether it follows from the stated impact speed, and not from the pulse alone.
-    pub fn follows_from_speed(&self) -> bool {
-        [&CRUSH, &TIME_OF_CRUSH, &RESTITUTION].contains(&self.quantity())
+    /// Under which condition it holds: with an impact speed that is in doubt, what follows from it and not from the
+    /// pulse alone.
+    pub fn condition(&self, is_speed_in_doubt: bool) -> Option<&'static str> {
+        let follows = [&CRUSH, &TIME_OF_CRUSH, &RESTITUTION].contains(&self.quantity());
+        (is_speed_in_doubt && follows).then_some("if the impact speed is right")
     }
 
     /// Whether the interval misses a value that another sensor at the same place gives.

@@ -66,8 +66,8 @@ pub fn overview(run: &Run, ranking: &Ranking, summary: &Summary, folder: &Path) 
             let range = words::ends((spread.low, spread.high), number.interval(), number.quantity().shown());
             text.push_str(&format!("; {} sensors of the compartment: {range}", spread.sensors()));
         }
-        if number.follows_from_speed() && verdict.is_speed_in_doubt() {
-            text.push_str(IF_THE_SPEED);
+        if let Some(condition) = number.condition(verdict.is_speed_in_doubt()) {
+            text.push_str(&format!(", {condition}"));
         }
         lines.push(line(label, text));
     }
@@ -113,9 +113,6 @@ pub fn overview(run: &Run, ranking: &Ranking, summary: &Summary, folder: &Path) 
     }
     lines
 }
-
-/// Behind a number that follows from an impact speed that is in doubt.
-const IF_THE_SPEED: &str = ", if the impact speed is right";
 
 /// Where no warning is about the numbers shown.
 fn none_first(count: usize) -> String {
