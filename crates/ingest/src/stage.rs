@@ -41,6 +41,8 @@ impl Stage for Ingest {
         every channel, the test's mass and impact speed, the crash pulse. Asks for what the record does not say; \
         corrects nothing. With --list it prints the table of channels and writes nothing.";
 
+    const NAMES_ITS_INPUTS: bool = true;
+
     const REMARKS: &'static [&'static [&'static Kind]] = &[
         formats::remarks::REMARKS,
         formats::ev5::REMARKS,

@@ -80,6 +80,9 @@ pub trait Stage {
     /// Options and values that earlier versions had.
     const LEFT_OUT: &'static [LeftOut] = &[];
 
+    /// Whether every error of [`run`](Self::run) says where in the input its cause stands.
+    const NAMES_ITS_INPUTS: bool = false;
+
     /// Flags that the program takes before it becomes a stage; they stand in its help like all others.
     fn other_flags() -> Vec<Arg> {
         Vec::new()
@@ -222,6 +225,7 @@ fn execute<S: Stage>(common: &SharedFlags, options: S::Options) -> anyhow::Resul
                     "{error:#}; the numbers of the input are too large to compute with"
                 ))
             }
+            None if S::NAMES_ITS_INPUTS || find_in_chain::<MissingTopic>(&error).is_some() => return Err(error),
             None => return Err(name_the_inputs(error, &common.inputs)),
         },
     };
@@ -346,13 +350,8 @@ fn is_impossible(error: &anyhow::Error) -> bool {
     matches!(find_in_chain::<WriteError>(error), Some(WriteError::Impossible { .. }))
 }
 
-/// Adds the inputs' names to an error that does not name any of them.
+/// Adds the inputs' names to an error.
 fn name_the_inputs(error: anyhow::Error, inputs: &[PathBuf]) -> anyhow::Error {
-    let text = format!("{error:#}");
-    let named = inputs.iter().filter_map(|path| path.file_name()).any(|name| text.contains(&*name.to_string_lossy()));
-    if named {
-        return error;
-    }
     let names: Vec<String> = inputs.iter().map(|path| path.display().to_string()).collect();
     error.context(format!("cannot work on {}", names.join(", ")))
 }

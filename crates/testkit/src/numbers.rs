@@ -127,17 +127,21 @@ pub fn numbers(text: &str) -> Vec<Shown> {
     shown
 }
 
-/// Units of key numbers: below four digits they are shown to their decimals, whatever their interval.
+/// Units of key numbers: below three digits they are shown to their decimals, whatever their interval; of three digits
+/// the last may be none, where half of the interval is a hundred or more.
 const TO_THEIR_DECIMALS: [&str; 4] = ["_m", "_s", "_m_per_s", "_m_per_s2"];
 
 /// What the last digit of a number counts. What has an interval is shown with two significant digits of its half width,
 /// so the zeros at the end of a whole number may be none of them.
 fn last_digit(number: &str, decimals: usize, unit: Option<(&str, f64)>) -> f64 {
     let zeros = number.len() - number.trim_end_matches('0').len();
-    let is_exact = unit.is_some_and(|(unit, _)| {
-        ["_percent", "_kg"].contains(&unit) || number.len() < 4 && TO_THEIR_DECIMALS.contains(&unit)
-    });
-    let not_shown = if decimals > 0 || is_exact { 0 } else { zeros.min(number.len() - 1) };
+    let most = match unit {
+        _ if decimals > 0 => 0,
+        Some(("_percent" | "_kg", _)) => 0,
+        Some((unit, _)) if TO_THEIR_DECIMALS.contains(&unit) && number.len() < 4 => usize::from(number.len() == 3),
+        _ => number.len() - 1,
+    };
+    let not_shown = zeros.min(most);
     10f64.powf(not_shown as f64 - decimals as f64)
 }
 
@@ -204,7 +208,12 @@ impl Pool {
                 let text = |name: &str| fields.get(name).and_then(Value::as_str);
                 let stated =
                     text("unit").map(|unit| unit_before(unit).map_or(("", 1.0), |(si, factor)| (si, 1.0 / factor)));
-                let unit = stated.or(text("name").and_then(unit_of_name)).unwrap_or(unit);
+                let of_quantity = || match text("quantity")? {
+                    "displacement" => Some(("_m", 1.0)),
+                    "velocity" => Some(("_m_per_s", 1.0)),
+                    _ => None,
+                };
+                let unit = stated.or(text("name").and_then(unit_of_name)).or_else(of_quantity).unwrap_or(unit);
                 let shown = fields.iter().filter(|(name, _)| !["correlation", "numbers"].contains(&name.as_str()));
                 shown.for_each(|(name, value)| self.add(name, unit, value));
             }

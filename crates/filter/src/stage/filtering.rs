@@ -1,12 +1,11 @@
 //! Filters the chosen channels and writes them, with what a person should know of it.
 
-use std::collections::BTreeMap;
 use std::sync::Mutex;
 
 use crumple_signal::{
     About, Applied, Channel, ChannelStatus, Class, Coefficients, CorridorPoint, FilterError, FilterSettings, Filtered,
-    Note, Notes, QuantityKind, Severity, TestDescription, Value, Weight, ZeroLevel, acceleration_of_velocity_change,
-    corridor, derivative_note, filter, filter_reporting, remarks,
+    Note, Notes, QuantityKind, TestDescription, Value, Weight, ZeroLevel, acceleration_of_velocity_change, corridor,
+    derivative_note, filter, filter_reporting, remarks,
 };
 use crumple_stage::records::{ChannelFilterV1, CorridorPointV1};
 use crumple_stage::{Inputs, Output, RefuseExt, Refused, option};
@@ -255,27 +254,32 @@ remarks! {
     );
 }
 
-/// Remarks by text, with the channels they hold for.
+/// Remarks, each once, with the channels they hold for.
 #[derive(Default)]
-pub struct Remarks(BTreeMap<(Severity, String), (Note, Vec<String>)>);
+pub struct Remarks(Vec<(Note, Vec<String>)>);
 
 impl Remarks {
     /// A remark on a channel.
     pub fn add(&mut self, id: &str, remark: impl Into<Note>) {
-        let note = remark.into();
-        let (_, ids) = self.0.entry((note.severity, note.text.clone())).or_insert_with(|| (note, Vec::new()));
-        ids.push(id.to_owned());
+        self.channels_of(remark.into()).push(id.to_owned());
     }
 
     /// A remark on no channel of those that are filtered.
     pub fn of_test(&mut self, remark: impl Into<Note>) {
-        let note = remark.into();
-        self.0.entry((note.severity, note.text.clone())).or_insert_with(|| (note, Vec::new()));
+        self.channels_of(remark.into());
+    }
+
+    fn channels_of(&mut self, note: Note) -> &mut Vec<String> {
+        let at = self.0.iter().position(|(own, _)| *own == note).unwrap_or_else(|| {
+            self.0.push((note, Vec::new()));
+            self.0.len() - 1
+        });
+        &mut self.0[at].1
     }
 
     pub fn into_notes(self) -> Notes {
         let mut notes = Notes::new();
-        for (mut note, ids) in self.0.into_values() {
+        for (mut note, ids) in self.0 {
             if !ids.is_empty() {
                 let names = first_of(&ids);
                 note = note.within(&format!("channel{} {names}: ", if ids.len() > 1 { "s" } else { "" }), "");

@@ -89,6 +89,10 @@ const PULSE_S: f64 = 0.15;
 /// Before this time, s, a filter has not spread the contact: the samples show the zero level.
 const QUIET_S: f64 = -0.01;
 
+/// What lies before this time, s, is no pulse, and none that a filter made of it: a fall or a brake of a second would
+/// add its own way, and errors of the zero level with the square of the time.
+const LEAD_S: f64 = -0.05;
+
 /// Share of its largest change of velocity that a pulse must have kept at the end for its moment to tell a delay.
 const KEPT: f64 = 0.2;
 
@@ -100,10 +104,11 @@ fn moment(curve: &Sampled, from_s: f64, to_s: f64, level: f64) -> f64 {
     curve.samples().iter().enumerate().filter(inside).map(value).sum::<f64>() * dt_s
 }
 
-/// Mean of a curve before the contact is spread, and the deviation of that mean; zeros where few samples show it.
+/// Mean of a curve before the contact is spread, and the deviation of that mean; zeros where few samples show it. Of
+/// all samples: noise of some thousand is a level of its own.
 fn level_of(curve: &Sampled) -> (f64, f64) {
-    let quiet: Vec<f64> = times(curve, curve.t0_s(), QUIET_S).filter_map(|t| value_at(curve, t)).collect();
-    mean_and_deviation(&quiet)
+    let quiet = ((QUIET_S - curve.t0_s()) / curve.dt_s() + 1.0).clamp(0.0, curve.len() as f64);
+    mean_and_deviation(&curve.samples()[..quiet as usize])
 }
 
 /// The level that a curve made of another is without. A low-pass filter keeps the mean of what lies before the contact,
@@ -166,18 +171,18 @@ pub(crate) fn mean_and_deviation(samples: &[f64]) -> (f64, f64) {
 /// gain changes way and velocity alike, and what the end of a record cuts off has added no way yet. `None` where a
 /// change of velocity is small.
 pub(crate) fn delay_s(curve: &Sampled, late: &Sampled) -> Option<f64> {
-    let from_s = curve.t0_s().min(late.t0_s());
+    let start = |curve: &Sampled| curve.t0_s().max(LEAD_S);
     let to_s = PULSE_S.min(end_of(curve)).min(end_of(late));
     let running = Running::of(curve);
-    let change = running.over(curve.t0_s(), to_s)?;
-    let largest = times(curve, curve.t0_s(), to_s).filter_map(|t| running.over(curve.t0_s(), t));
+    let change = running.over(start(curve), to_s)?;
+    let largest = times(curve, start(curve), to_s).filter_map(|t| running.over(start(curve), t));
     let largest = largest.fold(0.0_f64, |largest, change| largest.max(change.abs()));
-    let of_late = Running::of(late).over(late.t0_s(), to_s)?;
+    let of_late = Running::of(late).over(start(late), to_s)?;
     if !(to_s > 0.0 && change.abs() > KEPT * largest && of_late.abs() > KEPT * largest) {
         return None;
     }
     // A zero level that was taken out is no delay.
     let level = level_taken_out(curve, late);
-    let own = moment(curve, from_s, to_s, level) / (change - level * (to_s - from_s));
-    Some(own - moment(late, from_s, to_s, 0.0) / of_late)
+    let own = moment(curve, start(curve), to_s, level) / (change - level * (to_s - start(curve)));
+    Some(own - moment(late, start(late), to_s, 0.0) / of_late)
 }

@@ -103,7 +103,9 @@ pub fn pole_notes(model: &str, poles: &[Complex], record: PoleRecord, edges: &[F
     }
     if integrators > 0 {
         let of_motion = if of_motion && integrators > 1 { integrators } else { 0 };
-        notes.push(NearZero { model: model.to_owned(), poles: integrators, of_motion });
+        // As it is said.
+        let over_s = (duration_s * 1e4).round() / 1e4;
+        notes.push(NearZero { model: model.to_owned(), poles: integrators, of_motion, over_s });
     }
     notes
 }
@@ -240,20 +242,20 @@ remarks! {
     );
 
     /// Poles at or near zero make a constant or a trend over the record.
-    CR413 NearZero { model: String, poles: usize, of_motion: usize }
+    CR413 NearZero { model: String, poles: usize, of_motion: usize, over_s: f64 }
     bears on (About::IdentifiedModels, Weight::None)
-    decided "The modulus of the pole times the length of the record is below 0.1. The limit is 0.5 where two poles or \
+    decided "The modulus of the pole times the length of the part identified is below 0.1. The limit is 0.5 where two poles or \
              more lead from an acceleration to a displacement: noise parts a double pole further."
     means "They are no modes. From an acceleration to its own displacement they are the double integration: they are \
            true of any body and tell nothing of stiffness or damping."
     remedy "nothing; stiffness and damping need an input and an output at two places: --inputs, --outputs"
     says match (poles, of_motion) {
         (1, _) => format!(
-            "{model}: one pole lies at or near zero: over this record it makes a constant, and is no mode"
+            "{model}: one pole lies at or near zero: over the {over_s} s identified it makes a constant, and is no mode"
         ),
         (_, 0) => format!(
-            "{model}: {poles} poles lie at or near zero: over this record they make a constant or a trend, and are \
-             no modes"
+            "{model}: {poles} poles lie at or near zero: over the {over_s} s identified they make a constant or a \
+             trend, and are no modes"
         ),
         _ => format!(
             "{model}: {poles} poles lie at or near zero: the model integrates the acceleration twice, which is true \

@@ -57,8 +57,8 @@ const ROWS: &[Row] = &[
     by(&["CR143", "CR367", "CR368", "CR369", "CR801"], "two vehicles", |said| said.made.known.subject == TwoVehicles),
     (&["CR148"], Near("samples", clipped, 0.0)),
     (&["CR149"], Near("deviation_g", |said| Some(said.made.level(-0.05, Some(-0.01))?.1 / G), 0.1)),
-    // Of the pulse without its zero level, which may be that of rest.
-    (&["CR151"], Near("level_g", |said| Some(said.made.level(said.made.pulse()?.end_s() - 0.02, None)?.0 / G), 0.5)),
+    // Of the pulse without its zero level, with which a record that begins before contact begins.
+    (&["CR151"], Near("level_g", level_at_the_end, 0.1)),
     (&["CR154", "CR155"], Near("level_g", |said| Some(said.made.level(-0.05, Some(-0.01))?.0 / G), 0.05)),
     (&["CR163"], Near("crush_m", |said| said.made.own_test().map(|truth| truth.crush_m), 0.02)),
     (&["CR165", "CR166"], Near("crush_m", |said| Some(said.meant()?.crush_m), 0.02)),
@@ -102,7 +102,8 @@ const ROWS: &[Row] = &[
     by(&["CR413"], "poles at zero", |said| {
         let moduli = said.moduli();
         let largest = moduli.iter().copied().fold(0.0, f64::max);
-        let near = moduli.iter().filter(|modulus| **modulus < (0.01 * largest).max(1.0 / said.made.length_s())).count();
+        let over_s = said.number("over_s").unwrap_or(f64::NAN);
+        let near = moduli.iter().filter(|modulus| **modulus < (0.01 * largest).max(0.51 / over_s)).count();
         moduli.is_empty() || Some(near as f64) >= said.number("poles")
     }),
     // What leaves half of the variance.
@@ -219,6 +220,15 @@ impl<'a> Said<'a> {
         let all = own.into_iter().chain(others).filter_map(Value::as_array).flatten();
         all.map(|pole| part(pole, "re_per_s").hypot(part(pole, "im_rad_per_s"))).collect()
     }
+}
+
+/// Mean of the last 20 ms, g, less that of the first half of a lead, of 40 ms at most.
+fn level_at_the_end(said: &Said<'_>) -> Option<f64> {
+    let pulse = said.made.pulse()?;
+    let mean = |from_s: f64, to_s: Option<f64>| Some(said.made.level(from_s, to_s)?.0 / G);
+    let lead_s = said.made.known.contact_s - pulse.t0_s();
+    let zero = (lead_s > 0.01).then(|| mean(pulse.t0_s(), Some(pulse.t0_s() + (0.5 * lead_s).min(0.04))));
+    Some(mean(pulse.end_s() - 0.02, None)? - zero.unwrap_or(Some(0.0))?)
 }
 
 /// The longest row of equal samples at the largest or smallest value.

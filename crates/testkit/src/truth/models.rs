@@ -41,7 +41,11 @@ fn event(made: &Made, candidate: &Value, name: &str) -> Option<(f64, f64)> {
 pub fn misses_time_or_rebound(made: &Made, candidate: &Value) -> Option<String> {
     let (own, time) = event(made, candidate, "time_of_dynamic_crush_s")?;
     let off = 100.0 * (own / time - 1.0);
-    if off.abs() > 5.0 {
+    // One that creeps to its stop is as slow as the vehicle by then: 5 % of the impact speed.
+    let velocity = candidate["id"].as_str().and_then(|id| made.waves.get(&format!("{id}/velocity")));
+    let left = velocity.and_then(|wave| wave.samples().get(((time - wave.t0_s()) / wave.dt_s()).round() as usize));
+    let creeps = left.zip(made.known.speed_m_per_s).is_some_and(|(left, speed)| left.abs() <= 0.05 * speed);
+    if off.abs() > 5.0 && !creeps {
         return Some(format!("its time of crush is off by {off:.1} %"));
     }
     let (own, restitution) = event(made, candidate, "coefficient_of_restitution")?;
@@ -201,6 +205,18 @@ pub fn forces_or_parameters(made: &Made, best: &Value, found: &mut Found) {
         if let Some((low, high)) = low.zip(high) {
             found.count("good for", "parameters", (0.98 * low..=1.02 * high).contains(&truth));
         }
+    }
+}
+
+/// Parameters that a model is good for are known to ±30 %.
+pub fn named_parameters(best: &Value, names: &Value, found: &mut Found) {
+    for name in names.as_array().into_iter().flatten().filter_map(Value::as_str) {
+        let [low, high] = ["interval_low", "interval_high"].map(|end| best["uncertainty"][end][name].as_f64());
+        let value = best["parameters"][name].as_f64();
+        let is_known = value.zip(low.zip(high)).is_some_and(|(value, (low, high))| {
+            value.abs() > 0.0 && (value - low).max(high - value) <= 0.305 * value.abs()
+        });
+        found.holds(is_known, || format!("{name} is {value:?}, its interval {low:?} to {high:?}"));
     }
 }
 

@@ -31,7 +31,7 @@ fn made() -> Made {
         "mass_kg": mass, "partner": null, "extrapolates": false, "dynamic_crush_m": slow_crush,
         "energy": {"kinetic_at_impact_j": 0.5 * mass * (0.7 * speed).powi(2)},
         "intervals": [{"name": "dynamic_crush_m", "low": 0.96 * slow_crush, "high": 1.04 * slow_crush}]});
-    let verdict = json!({"status": "usable", "record": "sound", "parameters": 1, "determined": 1,
+    let verdict = json!({"status": "usable", "record": "sound", "record_about": null, "parameters": 1, "determined": 1,
         "status_reason": {"kind": "good-to", "good_to_percent": 4.0, "prediction": 0, "asked": false},
         "good_for": [{"kind": "measured-quantities"}, {"kind": "crush-at-the-tested-speed"}, {"kind": "forces"}],
         "numbers": [{"at": "/events/dynamic_crush_m", "value": crush, "shown": format!("{:.0} mm", 1e3 * crush)}]});
@@ -72,6 +72,7 @@ fn each_rule_sees_what_is_planted() {
         ("events", "/metrics/delta_v/value", json!(15.0)),
         ("key numbers", "/key_numbers/0/low", json!(0.75)),
         ("record", "/verdict/record", json!("wrong")),
+        ("record", "/verdict/record_about", json!("pulse")),
         ("status", "/candidates/0/simulation/dynamic_crush_m", json!(0.6)),
         ("status", "/predictions/0/dynamic_crush_m", json!(0.6)),
         ("status", "/verdict/status", json!("do-not-use")),
@@ -79,6 +80,7 @@ fn each_rule_sees_what_is_planted() {
         ("reason of the status", "/verdict/status_reason", json!({"kind": "no-mass"})),
         ("reason of the status", "/verdict/status_reason", json!({"kind": "unheard-of"})),
         ("good for", "/verdict/good_for/0/kind", json!("identified-modes")),
+        ("good for", "/verdict/good_for/2", json!({"kind": "parameters", "names": ["knot1_n"]})),
         ("good for", "/candidates/0/parameters/knot1_n", json!(3e5)),
         ("predictions", "/predictions/0/energy/kinetic_at_impact_j", json!(1e5)),
         ("predictions", "/predictions/0/intervals/0/high", json!(0.1)),

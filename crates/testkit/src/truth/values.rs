@@ -70,8 +70,8 @@ fn events(made: &Made, found: &mut Found) {
     let of = |name: &str| made.number(&format!("/events/{name}"));
     let is_cut = models::is_rebound_cut(made);
     if !made.summary["events"].is_null() {
-        found.same("dynamic_crush_m", of("dynamic_crush_m"), Some(truth.crush_m), OF_RECORD);
-        found.same("time_of_dynamic_crush_s", of("time_of_dynamic_crush_s"), Some(truth.time_s), OF_RECORD);
+        measured(made, ("dynamic_crush", of("dynamic_crush_m"), truth.crush_m), found);
+        measured(made, ("time_of_dynamic_crush", of("time_of_dynamic_crush_s"), truth.time_s), found);
         let own = of("coefficient_of_restitution").unwrap_or(f64::NAN);
         let least = if is_cut { own.min(truth.restitution) } else { truth.restitution };
         found.near("coefficient_of_restitution", own, least, OF_RESTITUTION);
@@ -84,6 +84,13 @@ fn events(made: &Made, found: &mut Found) {
     let spring = made.number("/test/mass_kg").zip(of("dynamic_crush_m"));
     let spring = spring.map(|(mass, crush)| mass * (speed / crush).powi(2));
     found.same("average_stiffness", stiffness, spring.filter(|_| stiffness.is_some()), 0.03);
+}
+
+/// A measured value is true, or where nothing states contact, or a force goes on, its interval is.
+fn measured(made: &Made, (name, own, truth): (&str, Option<f64>, f64), found: &mut Found) {
+    let interval = made.key_number(name).and_then(ends);
+    let is_held = interval.is_some_and(|(low, high)| (low..=high).contains(&truth));
+    found.same(name, own, Some(truth), if is_held { f64::INFINITY } else { OF_RECORD });
 }
 
 /// What went into deformation is what the speed before and that after leave, by the stated speed and the table.
@@ -115,7 +122,8 @@ fn ends(interval: &Value) -> Option<(f64, f64)> {
     interval["low"].as_f64().zip(interval["high"].as_f64())
 }
 
-/// A record that states what is true is not called wrong; one with a fault is not called sound.
+/// A record that states what is true is not called wrong; one with a fault is not called sound. What is not sound has
+/// what is doubted: the speed where another one makes it right.
 fn record(made: &Made, found: &mut Found) {
     let own = made.text("/verdict/record");
     let is_right = match made.known.subject {
@@ -129,6 +137,11 @@ fn record(made: &Made, found: &mut Found) {
     }
     if made.is_of_a_vehicle() && !made.known.is_sound {
         found.holds(own != "sound", || "it is called sound".to_owned());
+    }
+    let about = made.summary.pointer("/verdict/record_about").and_then(Value::as_str);
+    found.holds(about.is_none() == (own == "sound"), || format!("it is {own} about {about:?}"));
+    if made.known.remedy == Some("--impact-speed") {
+        found.holds(about == Some("impact-speed"), || format!("the speed is wrong, and {about:?} is doubted"));
     }
 }
 
@@ -276,7 +289,7 @@ fn good_for(made: &Made, found: &mut Found) {
             "measured-quantities" => known.remedy.is_none_or(|flag| flag.starts_with("--impact-speed")),
             "crush-at-the-tested-speed" => {
                 let crush = made.number("/events/dynamic_crush_m");
-                found.same(kind, crush, truth.map(|truth| truth.crush_m), OF_RECORD);
+                truth.into_iter().for_each(|truth| measured(made, ("dynamic_crush", crush, truth.crush_m), found));
                 made.is_of_a_vehicle() && known.is_sound
             }
             "other-speeds" => {
@@ -287,7 +300,10 @@ fn good_for(made: &Made, found: &mut Found) {
                 known.is_sound
             }
             "forces" | "parameters" => {
-                made.recommended().into_iter().for_each(|best| models::forces_or_parameters(made, best, found));
+                made.recommended().into_iter().for_each(|best| {
+                    models::forces_or_parameters(made, best, found);
+                    models::named_parameters(best, &own["names"], found);
+                });
                 known.is_sound
             }
             "occupant-criteria" => known.subject == Subject::Occupant && known.is_sound,
