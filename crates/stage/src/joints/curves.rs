@@ -186,3 +186,53 @@ pub(crate) fn delay_s(curve: &Sampled, late: &Sampled) -> Option<f64> {
     let own = moment(curve, start(curve), to_s, level) / (change - level * (to_s - start(curve)));
     Some(own - moment(late, start(late), to_s, 0.0) / of_late)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RATE_HZ: f64 = 20_000.0;
+
+    /// A second of braking by 7 m/s^2, a half sine of 80 ms, and noise of 20 m/s^2 that is the same each time.
+    fn after_braking() -> Sampled {
+        let mut state = 1_u64;
+        let samples = (0..24_000).map(|index| {
+            let t = f64::from(index) / RATE_HZ - 1.0;
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let noise = ((state >> 11) as f64 / (1_u64 << 53) as f64 - 0.5) * 40.0;
+            let pulse = if (0.0..0.08).contains(&t) { -250.0 * (std::f64::consts::PI * t / 0.08).sin() } else { 0.0 };
+            pulse + noise - if t < 0.0 { 7.0 } else { 0.0 }
+        });
+        Sampled::new(-1.0, 1.0 / RATE_HZ, samples.collect()).unwrap()
+    }
+
+    /// The mean over 4 ms around each sample, put `late` samples behind it.
+    fn averaged(curve: &Sampled, late: usize) -> Sampled {
+        let (half, samples) = (40, curve.samples());
+        let mean = |index: usize| {
+            let near = &samples[index.saturating_sub(half)..(index + half + 1).min(samples.len())];
+            near.iter().sum::<f64>() / near.len() as f64
+        };
+        let made = (0..samples.len()).map(|index| mean(index.saturating_sub(late)));
+        Sampled::new(curve.t0_s(), curve.dt_s(), made.collect()).unwrap()
+    }
+
+    /// A filter without a delay has none whatever lies before the pulse; one of 3 ms is seen. Noise of 20 m/s^2 moves
+    /// the moment over 0.2 s by some 0.2 ms, and 0.4 ms is what the limit of CR203 leaves to it.
+    #[test]
+    fn a_second_of_braking_is_no_delay() {
+        let recorded = after_braking();
+        for (late, truth_s) in [(0, 0.0), (60, 0.003)] {
+            let found = delay_s(&recorded, &averaged(&recorded, late)).unwrap();
+            assert!((found - truth_s).abs() < 0.4e-3, "{truth_s} s, found {found}");
+        }
+    }
+
+    /// The level of a long start is that of all its samples: a mean of 19,800 has a 140th of their deviation.
+    #[test]
+    fn a_level_is_of_all_samples() {
+        let (mean, deviation) = level_of(&after_braking());
+        assert!((mean + 7.0).abs() < 4.0 * deviation, "{mean} ± {deviation}");
+        assert!((deviation - 40.0 / 12.0_f64.sqrt() / 19_801.0_f64.sqrt()).abs() < 0.002, "{deviation}");
+    }
+}

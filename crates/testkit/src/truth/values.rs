@@ -86,11 +86,14 @@ fn events(made: &Made, found: &mut Found) {
     found.same("average_stiffness", stiffness, spring.filter(|_| stiffness.is_some()), 0.03);
 }
 
-/// A measured value is true, or where nothing states contact, or a force goes on, its interval is.
+/// A measured value is true. Where nothing states contact, or a force goes on, one interval holds it and the truth.
 fn measured(made: &Made, (name, own, truth): (&str, Option<f64>, f64), found: &mut Found) {
     let interval = made.key_number(name).and_then(ends);
-    let is_held = interval.is_some_and(|(low, high)| (low..=high).contains(&truth));
-    found.same(name, own, Some(truth), if is_held { f64::INFINITY } else { OF_RECORD });
+    let holds = |value: f64| interval.is_some_and(|(low, high)| (low..=high).contains(&value));
+    if own.is_some_and(holds) && holds(truth) {
+        return found.holds(true, String::new);
+    }
+    found.same(name, own, Some(truth), OF_RECORD);
 }
 
 /// What went into deformation is what the speed before and that after leave, by the stated speed and the table.
