@@ -321,7 +321,7 @@ python-test $wheel="":
     python3 -m venv target/python-test
     wheel="$(realpath "${wheel:-$(ls target/wheels/*.whl)}")"; export CRUMPLE_WHEEL="$wheel"; \
     PATH="$PWD/target/python-test/bin:$PATH"; \
-    pip install --quiet --disable-pip-version-check "$wheel[pandas]" mypy pandas-stubs pytest; \
+    pip install --quiet --disable-pip-version-check "$wheel[pandas,plot]" mypy pandas-stubs pytest; \
     pip install --quiet --disable-pip-version-check polars pyarrow openpyxl mcap mcap-protobuf-support; \
     mypy; \
     (cd python/tests; python -m pytest -q -p no:cacheprovider); \
