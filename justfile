@@ -321,7 +321,7 @@ python-test $wheel="":
     python3 -m venv target/python-test
     wheel="$(realpath "${wheel:-$(ls target/wheels/*.whl)}")"; export CRUMPLE_WHEEL="$wheel"; \
     PATH="$PWD/target/python-test/bin:$PATH"; \
-    pip install --quiet --disable-pip-version-check "$wheel[pandas]" mypy pandas-stubs pytest; \
+    pip install --quiet --disable-pip-version-check "$wheel[pandas,plot]" mypy pandas-stubs pytest; \
     pip install --quiet --disable-pip-version-check polars pyarrow openpyxl mcap mcap-protobuf-support; \
     mypy; \
     (cd python/tests; python -m pytest -q -p no:cacheprovider); \
@@ -332,18 +332,10 @@ python-test $wheel="":
         (cd python/tests; python -m pytest -q -p no:cacheprovider); \
     fi
 
-# What a release holds, into dist/: a static program, the wheel with it, the page, checksums.
+# What a release holds, into dist/: a static program, the wheel with it, the page, sample data, a bill of materials, checksums.
 [group('development')]
 dist: python-tools
-    rm -rf dist
-    mkdir -p dist
-    RUSTFLAGS="-C target-feature=+crt-static -C strip=symbols" target/python/bin/maturin build --quiet --locked --release \
-        --target x86_64-unknown-linux-gnu --target-dir target/static --compatibility manylinux_2_17 --out dist
-    tar -czf dist/crumple-x86_64-linux.tar.gz --owner=0 --group=0 README.md CHANGELOG.md LICENSE-APACHE LICENSE-MIT \
-        -C target/static/x86_64-unknown-linux-gnu/release crumple
-    just page
-    cp target/page/crumple.html dist/
-    cd dist && sha256sum * > SHA256SUMS
+    scripts/dist.sh
 
 # Tools from the Python registry, into target/python.
 [private]

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._program import CrumpleError, call
+from ._shown import html_table, in_lines, of_mapping
 
 UNITS = {
     "acceleration": "m/s^2", "velocity": "m/s", "velocity_change": "m/s", "displacement": "m", "force": "N",
@@ -38,6 +39,12 @@ class Record(dict[str, Any]):
             raise AttributeError(name)
         return self[name]
 
+    def __repr__(self) -> str:
+        return in_lines(f"<crumple.Record {self.schema}>", of_mapping(self), f"fields: {', '.join(self)}")
+
+    def _repr_html_(self) -> str:
+        return html_table(self.items())
+
 
 @dataclass(frozen=True, eq=False)
 class Wave:
@@ -58,6 +65,14 @@ class Wave:
         """SI unit of the samples."""
         return UNITS.get(self.quantity, "1")
 
+    def __repr__(self) -> str:
+        count, end = len(self.samples), self.t0 + (len(self.samples) - 1) * self.dt
+        return in_lines(
+            f"<crumple.Wave {self.quantity}, {self.unit}>",
+            f"{count} samples from {self.t0:.6g} to {end:.6g} s, every {self.dt:.6g} s",
+            f"lowest {self.samples.min():.5g}, highest {self.samples.max():.5g}" if count else "",
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class Artifact:
@@ -66,6 +81,9 @@ class Artifact:
     records: dict[str, Record] = field(default_factory=dict)
     waves: dict[str, Wave] = field(default_factory=dict)
     provenance: dict[str, Any] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        return in_lines("<crumple.Artifact>", f"records: {', '.join(self.records)}", f"waves: {', '.join(self.waves)}")
 
     def __or__(self, other: Artifact) -> Artifact:
         """Both in one; what both have is that of the other."""

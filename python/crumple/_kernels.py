@@ -11,7 +11,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._artifact import Array, Artifact, Record, Wave, read, write
-from ._program import Refused, call, flags, number
+from ._program import Refused, Usage, call, flags, number
+from ._shown import in_lines, of_mapping
+
+
+GRAVITY = 9.80665
+# Shares of the impact speed that a whole pulse takes away: it stops the vehicle, which rebounds by 30 % at most, and a
+# record that ends early has lost a half or less.
+LEAST_TAKEN, MOST_TAKEN = 0.5, 1.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,6 +30,15 @@ class Motion:
     velocity: Array
     displacement: Array
     record: Record
+
+    def __repr__(self) -> str:
+        step = float(self.time[1] - self.time[0])
+        return in_lines(
+            f"<crumple.Motion, {len(self.time)} samples, every {step:.6g} s>",
+            f"crush up to {float(self.displacement.max()):.4g} m, speed {float(self.velocity[0]):.4g} to "
+            f"{float(self.velocity.min()):.4g} m/s",
+            of_mapping(self.record),
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +61,13 @@ class LinearModel:
     simulated: Array
     records: dict[str, Record]
 
+    def __repr__(self) -> str:
+        kind = "continuous" if self.dt == 0 else f"sampled every {self.dt:.6g} s"
+        return in_lines(
+            f"<crumple.LinearModel {self.id}, order {len(self.poles)}, {kind}>", f"fit {self.fit:.2f} %",
+            "poles, 1/s: " + ", ".join(f"{pole:.4g}" for pole in self.poles),
+        )
+
 
 def filter_cfc(a: ArrayLike, dt: float, cfc: int = 60, *, mode: str = "iso6487", **options: object) -> Array:
     """Filters an array to a channel frequency class, 60, 180, 600 or 1000; its zero level stays.
@@ -55,13 +78,16 @@ def filter_cfc(a: ArrayLike, dt: float, cfc: int = 60, *, mode: str = "iso6487",
     return _call("filter", _pulse(a, dt), given).waves["a"].samples
 
 
-def crush(a: ArrayLike, dt: float, v0: float, *, mass: float | None = None, **options: object) -> Motion:
-    """Integrates an acceleration, m/s², negative in a frontal impact, from the speed `v0`, m/s, at its first sample.
+def crush(
+    a: ArrayLike, dt: float, v0: float, *, mass: float | None = None, unit: str | None = None, **options: object
+) -> Motion:
+    """Integrates an acceleration, negative in a frontal impact, from the speed `v0`, m/s, at its first sample.
 
-    `mass` is in kg. Options: `crumple integrate`.
+    `unit` is `"m/s^2"`, taken where none is stated, or `"g"`. `mass` is in kg. Options: `crumple integrate`.
     """
+    a = _acceleration(a, dt, v0, unit)
     found = _call("integrate", _pulse(a, dt, v0, mass), options)
-    return _motion("a", found, _array("a", a), found.records["/events"])
+    return _motion("a", found, a, found.records["/events"])
 
 
 def era(y: ArrayLike, dt: float, *, order: int | None = None, **options: object) -> LinearModel:
@@ -89,12 +115,14 @@ def tfest(u: ArrayLike, y: ArrayLike, dt: float, poles: int = 4, zeros: int = 1,
     return _identify("tfest", {"u": u, "y": y}, dt, {"poles": poles, "zeros": zeros, **options})
 
 
-def fit(model: str, a: ArrayLike, dt: float, *, mass: float, v0: float, **options: object) -> Record:
+def fit(
+    model: str, a: ArrayLike, dt: float, *, mass: float, v0: float, unit: str | None = None, **options: object
+) -> Record:
     """Fits a lumped model, `"kelvin"`, to an acceleration as `crush` takes it: its candidate, with `parameters`.
 
     Options: `crumple parameter-solve`.
     """
-    pulse = _pulse(a, dt, v0, mass)
+    pulse = _pulse(_acceleration(a, dt, v0, unit), dt, v0, mass)
     given = {"models": model, "method": "direct-fit", **options}
     found = _call("parameter-solve", pulse | _call("integrate", pulse, {"uncertainty_replicates": 0}), given)
     return next(iter(found.below("/parameters/").values()))
@@ -102,7 +130,7 @@ def fit(model: str, a: ArrayLike, dt: float, *, mass: float, v0: float, **option
 
 def simulate(model: str, parameters: Mapping[str, float], *, v0: float, t: ArrayLike, **options: object) -> Motion:
     """The motion of a lumped model with `parameters` as a candidate has them, at times `t` with one step from 0, s."""
-    times = _array("t", t)
+    times = samples("t", t)
     dt = float(times[-1]) / (len(times) - 1)
     if dt <= 0 or not np.allclose(times, np.arange(len(times)) * dt, rtol=0, atol=1e-6 * dt):
         raise Refused("t has no equal steps from 0\n  hint: numpy.arange(1001) * 1e-4")
@@ -124,7 +152,7 @@ def _call(stage: str, artifact: Artifact, options: Mapping[str, object]) -> Arti
 
 def _pulse(a: ArrayLike, dt: float, v0: float | None = None, mass: float | None = None) -> Artifact:
     """A test with one channel."""
-    wave = Wave(_array("a", a), number("dt", dt, positive=True), 0.0, "acceleration")
+    wave = Wave(samples("a", a), number("dt", dt, positive=True), 0.0, "acceleration")
     return Artifact({"/test": _test(v0, mass, [_channel("a", wave)])}, {"a": wave})
 
 
@@ -141,7 +169,7 @@ def _channel(id: str, wave: Wave) -> dict[str, str]:
 
 
 def _identify(method: str, arrays: Mapping[str, ArrayLike], dt: float, options: Mapping[str, object]) -> LinearModel:
-    waves = {name: Wave(_array(name, one), number("dt", dt, positive=True)) for name, one in arrays.items()}
+    waves = {name: Wave(samples(name, one), number("dt", dt, positive=True)) for name, one in arrays.items()}
     if len({len(wave.samples) for wave in waves.values()}) > 1:
         raise Refused("u and y have different lengths")
     ends = {"inputs": "u", "outputs": "y"} if "u" in waves else {"channel": "y"}
@@ -166,7 +194,23 @@ def _motion(id: str, found: Artifact, acceleration: Array, record: Record) -> Mo
     return Motion(velocity.time, acceleration, velocity.samples, displacement.samples, record)
 
 
-def _array(name: str, values: ArrayLike) -> Array:
+def _acceleration(a: ArrayLike, dt: float, v0: float, unit: str | None) -> Array:
+    """An acceleration in m/s². Refused: one without a unit that takes the speed away in g, and not in m/s²."""
+    array, units = samples("a", a), {"m/s^2": 1.0, "m/s²": 1.0, "g": GRAVITY}
+    if unit is not None:
+        if unit not in units:
+            raise Usage(f"unit is {unit!r}, expected 'm/s^2' or 'g'")
+        return array * units[unit]
+    taken, speed = -float(array.sum()) * number("dt", dt, positive=True), number("v0", v0)
+    if speed > 0 and taken < LEAST_TAKEN * speed <= GRAVITY * taken < MOST_TAKEN * speed:
+        raise Refused(
+            f"a takes away {taken:.2f} of {speed:.2f} m/s; in g it would be {GRAVITY * taken:.2f} m/s\n"
+            '  hint: unit="g", or unit="m/s^2" if it is right'
+        )
+    return array
+
+
+def samples(name: str, values: ArrayLike) -> Array:
     """One-dimensional finite numbers as `float64`; anything else is refused with its place."""
     array = np.asarray(values)
     if np.ma.is_masked(values):

@@ -13,15 +13,22 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ._artifact import Record, Wave, read
-from ._program import CrumpleError, NoResult, Usage, call, flags, program, quantity, text
+import numpy as np
+
+from ._artifact import Array, Record, Wave, read
+from ._program import CrumpleError, NoResult, Usage, call, flags, number, program, quantity, text
+from ._shown import figure, html_table, in_lines, table_of
 
 if TYPE_CHECKING:
     import pandas
+    from matplotlib.figure import Figure
 
 Paths = str | os.PathLike[str]
+Samples = Any  # a DataFrame, a Series, or what numpy takes for an array
 Quantity = float | str | None
 REMARK = ("code", "stage", "about", "weight", "text")
+PREDICTION = ("impact_speed_m_per_s", "mass_kg", "candidate", "dynamic_crush_m", "low", "high", "delta_v_m_per_s",
+              "peak_acceleration_m_per_s2", "extrapolates")
 
 
 class Remarks(list[Record]):
@@ -29,15 +36,37 @@ class Remarks(list[Record]):
 
     def table(self) -> pandas.DataFrame:
         """A row a remark: code, stage, about, weight, text."""
-        import pandas
+        return table_of(self, REMARK)
 
-        return pandas.DataFrame([{name: one[name] for name in REMARK} for one in self], columns=list(REMARK))
+    def __repr__(self) -> str:
+        return in_lines(f"<crumple.Remarks, {len(self)}>", *(f"{one.code} {one.text}" for one in self[:2]))
 
     def _repr_html_(self) -> str:
-        from html import escape
+        return html_table(([one[name] for name in REMARK] for one in self), REMARK)
 
-        rows = ("<tr>" + "".join(f"<td>{escape(str(one[name]))}" for name in REMARK) for one in self)
-        return "<table><tr>" + "".join(f"<th>{name}" for name in REMARK) + "".join(rows) + "</table>"
+
+class Predictions(list[Record]):
+    """Impacts that were predicted; a table in a notebook."""
+
+    def table(self) -> pandas.DataFrame:
+        """A row an impact, SI, with the 90 % interval of its crush."""
+        return table_of(map(_with_interval, self), PREDICTION)
+
+    def __repr__(self) -> str:
+        lines = (f"{3.6 * one.impact_speed_m_per_s:.1f} km/h: crush {_in_mm(one)}, {one.candidate}" for one in self[:2])
+        return in_lines(f"<crumple.Predictions, {len(self)}>", *lines)
+
+    def _repr_html_(self) -> str:
+        return html_table(([one.get(name) for name in PREDICTION] for one in map(_with_interval, self)), PREDICTION)
+
+
+def _with_interval(one: Record) -> dict[str, Any]:
+    ends = next((known for known in one["intervals"] if known["name"] == "dynamic_crush_m"), {"low": None, "high": None})
+    return {**one, "low": ends["low"], "high": ends["high"]}
+
+
+def _in_mm(one: Record) -> str:
+    return "not reached" if one.dynamic_crush_m is None else f"{1e3 * one.dynamic_crush_m:.0f} mm"
 
 
 class Run:
@@ -50,7 +79,9 @@ class Run:
             weakref.finalize(self, shutil.rmtree, temporary, ignore_errors=True)
 
     def __repr__(self) -> str:
-        return f"<crumple.Run {self.folder}>"
+        known = [one for one in self.summary.get("key_numbers", ()) if one["value"] is not None]
+        numbers = ", ".join(f"{one['name']} {one['value']:.4g} {one['unit']}" for one in known)
+        return in_lines(f"<crumple.Run {self.folder}>", self.verdict.splitlines()[0], numbers)
 
     @functools.cached_property
     def summary(self) -> dict[str, Any]:
@@ -131,6 +162,16 @@ class Run:
         table.attrs["units"] = {id: wave.unit for id, wave in waves.items()}
         return table
 
+    def predict(
+        self, speed: float | str | Iterable[float | str], *, mass: Quantity = None, **options: Any
+    ) -> Predictions:
+        """Impacts at other speeds, m/s or texts with unit, and masses: see `crumple.predict`."""
+        return predict(self, speed, mass=mass, **options)
+
+    def plot(self) -> Figure:
+        """Pulse, force over crush and predictions of the recommended model, by matplotlib."""
+        return figure(self)
+
     def save(self, folder: Paths) -> Run:
         """Copies the folder to a place where nothing is yet."""
         return Run(shutil.copytree(self.folder, folder))
@@ -139,16 +180,19 @@ class Run:
         from html import escape
 
         known = [one for one in self.summary.get("key_numbers", ()) if one["value"] is not None]
-        rows = (f"<tr><td>{one['name']}<td>{one['value']:.5g}<td>{escape(one['unit'])}" for one in known)
-        return f"<p>{'<br>'.join(map(escape, self.verdict.splitlines()))}</p><table>{''.join(rows)}</table>"
+        rows = ([one["name"], one["value"], one["unit"]] for one in known)
+        return f"<p>{'<br>'.join(map(escape, self.verdict.splitlines()))}</p>{html_table(rows)}"
 
 
 def run(
-    record: Paths, *, mass: Quantity = None, impact_speed: Quantity = None, out: Paths | None = None,
+    record: Paths | Samples, *, dt: float | None = None, mass: Quantity = None, impact_speed: Quantity = None, out: Paths | None = None,
     pipeline: Paths | Mapping[str, Any] | None = None, set: Mapping[str, object] | None = None, force: bool = False,
     **options: object,
 ) -> Run:
-    """Runs a record through all stages.
+    """Runs a record through all stages: a file, a DataFrame, a Series, or an array of one acceleration.
+
+    A DataFrame has its time, s, as index or in a column, else `dt` is its step, s; an array needs `dt`. What no column
+    name states, `unit` does: `unit="g"`; an array needs it.
 
     `mass` is in kg and `impact_speed` in m/s; texts carry their unit, `"1200 kg"`, `"50 km/h"`. `pipeline` is a name,
     a file, or tables of options by stage; `set` has single options, `{"filter.cfc": 180}`. Other options are flags of
@@ -157,6 +201,10 @@ def run(
     known = {"mass": quantity("mass", mass, "kg"), "impact_speed": quantity("impact_speed", impact_speed, "m/s")}
     words = flags({**known, **options})
     with tempfile.TemporaryDirectory() as scratch:
+        if not isinstance(record, (str, os.PathLike)):
+            record = _as_file(record, dt, options.get("unit"), Path(scratch, "array.csv"))
+        elif dt is not None:
+            raise Usage("dt is of an array; a file states its time\n  hint: rate=\"10kHz\"")
         if isinstance(pipeline, Mapping):
             lines = [f"{_toml(stage)} = {_toml(table)}\n" for stage, table in pipeline.items()]
             pipeline = Path(scratch, "pipeline.toml")
@@ -165,6 +213,40 @@ def run(
         own += [word for key, value in (set or {}).items() for word in ("--set", f"{key}={text(value)}")]
         own += ["--force"] if force else []
         return _into_folder("run", out, Path(record).stem, lambda to: [*own, "--out", to, _there(record), *words])
+
+
+def _as_file(given: Samples, dt: float | None, unit: object, path: Path) -> Path:
+    """A table of samples as a file that any program reads, every digit kept."""
+    frame, columns = given, getattr(given, "columns", None)
+    is_series = columns is None and hasattr(given, "to_frame")
+    if is_series:
+        frame = given.to_frame(given.name or "acceleration")
+    if columns is None and not is_series:
+        if unit is None or dt is None:
+            lacks = "unit" if unit is None else "dt"
+            raise Usage(f"an array does not state its {lacks}\n  hint: crumple.run(a, dt=1e-4, unit=\"g\")")
+        samples = _samples("the record", given)
+        table = np.column_stack([np.arange(len(samples)) * number("dt", dt, positive=True), samples])
+        lines = (f"{time!r},{one!r}\n" for time, one in table.tolist())
+        path.write_text("time_s,acceleration\n" + "".join(lines), "utf-8")
+        return path
+    frame = frame.copy()
+    if dt is not None:
+        frame.insert(0, "time_s", np.arange(len(frame)) * number("dt", dt, positive=True))
+    elif frame.index.dtype.kind == "m":
+        frame.insert(0, "time_s", frame.index.total_seconds())
+    elif frame.index.dtype.kind == "f":
+        frame.insert(0, frame.index.name or "time_s", frame.index.to_numpy())
+    elif is_series:
+        raise Usage("the series has no time\n  hint: an index in seconds, or dt=1e-4")
+    frame.to_csv(path, index=False)
+    return path
+
+
+def _samples(name: str, values: Any) -> Array:
+    from ._kernels import samples
+
+    return samples(name, values)
 
 
 def together(records: Iterable[Paths | Run], *, out: Paths | None = None, **options: object) -> Run:
@@ -183,7 +265,7 @@ def open_run(folder: Paths) -> Run:
 def predict(
     run: Run, speeds: float | str | Iterable[float | str], *, mass: Quantity = None, candidate: str | None = None,
     partner: str | Run | None = None, **options: object,
-) -> list[Record]:
+) -> Predictions:
     """Impacts at other speeds (m/s, or texts with unit), with the models of a run; the run stays as it is.
 
     `mass` as in `run`. `partner` is another run, or `mpdb`, `"barrier mass=1400kg ..."`. Other options are those of
@@ -199,7 +281,7 @@ def predict(
         pipeline = ["--pipeline", str(run.folder / "0-pipeline.toml")]
         call("predict", *inputs, "-o", f"{scratch}/7-predict.mcap", *pipeline, *flags(words))
         found = read(f"{scratch}/7-predict.mcap").below("/prediction/")
-    return [found[number] for number in sorted(found, key=int)]
+    return Predictions(found[place] for place in sorted(found, key=int))
 
 
 def diff(
