@@ -175,6 +175,13 @@ own-bench *args:
     [ $# -gt 0 ] || { CRUMPLE_PROFILE=release just build; \
         cargo run --quiet --release --package crumple-testkit -- performance target/bench.ndjson; }
 
+# Every candidate of the runs as Modelica, simulated by Rumoca beside the numbers of Crumple. Installs Rumoca below target/.
+[group('development')]
+modelica +runs: build
+    @[ -x target/modelica/bin/python ] || python3 -m venv target/modelica
+    @target/modelica/bin/pip install --quiet --disable-pip-version-check rumoca==0.10.2 numpy==2.3.5
+    @target/modelica/bin/python scripts/modelica.py "$bin/crumple-export" "$@"
+
 # Of the whole workspace, as `just test` is: one package alone has other features of its dependencies, and all would be compiled twice.
 # Each installs the public packages it is about in a folder of its own (Python 3.11, a package index, a quarter of an hour).
 # Runs findings/*.sh in turn and says which still behave as stated (CONTRIBUTING.md#findings): `just findings [NAME ...]`.

@@ -18,9 +18,10 @@ mod damage {
     pub mod typed;
 }
 mod export {
-    //! The results of a run for other programs: tables, and a file for viewers of recordings.
+    //! The results of a run for other programs: tables, a file for viewers of recordings, a model as Modelica text.
 
     pub mod layouts;
+    pub mod modelica;
     pub mod program;
     pub mod view;
     pub mod view_file;

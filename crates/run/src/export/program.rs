@@ -16,13 +16,14 @@ use crumple_stage::{
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 
+use super::modelica::modelica;
 use super::waves::{wave_tables, waves_of};
 use super::workbook::workbook;
 use crate::fleet::tables::{METRICS, PREDICTIONS, metric_cells, prediction_row};
 use crate::table::Kind::{Count, Flag, Number, Text};
 use crate::table::{Cell, CsvForm, Kind, Table, columns, write_csv, write_parquet};
 
-/// Writes the results of a run as tables for other programs: CSV, Parquet, or a workbook.
+/// Writes the results of a run as tables for other programs (CSV, Parquet, a workbook), or a model as Modelica text.
 ///
 /// Tables of a run: waves and simulated (a column a waveform, a table a sampling rate), parameters, metrics,
 /// predictions, notes. A joint run has those of its model, a fleet has its own.
@@ -38,11 +39,11 @@ pub struct ExportOptions {
     #[arg(value_name = "RUN")]
     run: PathBuf,
 
-    /// csv and parquet: a file a table, in a folder; xlsx: a sheet a table, in a workbook.
+    /// csv and parquet: a file a table, in a folder; xlsx: a sheet a table, in a workbook; modelica: a model.
     #[arg(long, value_enum, value_name = "FORMAT")]
     to: Format,
 
-    /// Folder, or workbook, to write [default: export, export.xlsx].
+    /// Folder, workbook or model to write [default: export, export.xlsx, model.mo].
     #[arg(short, long, value_name = "FOLDER|FILE")]
     output: Option<PathBuf>,
 
@@ -57,6 +58,10 @@ pub struct ExportOptions {
     /// CSV for a spreadsheet that has a decimal comma: semicolons between cells.
     #[arg(long)]
     semicolon: bool,
+
+    /// The model that `--to modelica` writes [default: the recommended one].
+    #[arg(long, value_name = "ID")]
+    candidate: Option<String>,
 
     /// Replace files that are there.
     #[arg(long)]
@@ -76,6 +81,8 @@ enum Format {
     Parquet,
     /// A workbook.
     Xlsx,
+    /// A model for programs that simulate Modelica.
+    Modelica,
 }
 
 /// Exports a run.
@@ -84,6 +91,12 @@ pub(crate) fn export(options: ExportOptions) -> anyhow::Result<ExitStatus> {
         return Err(Usage::new("--semicolon is for CSV").hint("--to csv --semicolon").into());
     }
     keep_budget(std::slice::from_ref(&options.run), ExitStatus::Refused);
+    if options.to == Format::Modelica {
+        return export_model(&options);
+    }
+    if options.candidate.is_some() {
+        return Err(Usage::new("--candidate is for a model").hint("--to modelica --candidate ID").into());
+    }
     let all = tables_of(&options.run, options.decimate.map(|every| every as usize))?;
     let family = |table: &Table| table.name.split('-').next().unwrap_or_default().to_owned();
     for wanted in &options.what {
@@ -99,26 +112,23 @@ pub(crate) fn export(options: ExportOptions) -> anyhow::Result<ExitStatus> {
     let tables: Vec<Table> = all.into_iter().filter(wanted).collect();
     let default = if options.to == Format::Xlsx { "export.xlsx" } else { "export" };
     let output = options.output.clone().unwrap_or_else(|| default.into());
-    let written = match options.to {
-        Format::Xlsx => {
-            let bytes = workbook(&tables)?;
-            vec![options.write(&output, |file| Ok(file.write_all(&bytes)?))?]
+    let written = if options.to == Format::Xlsx {
+        let bytes = workbook(&tables)?;
+        vec![options.write(&output, |file| Ok(file.write_all(&bytes)?))?]
+    } else {
+        if output.is_file() {
+            let problem = format!("{} is a file; tables go to a folder", output.display());
+            return Err(Usage::new(problem).hint("name a folder: -o FOLDER").into());
         }
-        Format::Csv | Format::Parquet => {
-            if output.is_file() {
-                let problem = format!("{} is a file; tables go to a folder", output.display());
-                return Err(Usage::new(problem).hint("name a folder: -o FOLDER").into());
+        let one = |table: &Table| {
+            if options.to == Format::Parquet {
+                let path = output.join(format!("{}.parquet", table.name));
+                return options.write(&path, |file| Ok(write_parquet(table, file)?));
             }
-            let one = |table: &Table| {
-                if options.to == Format::Parquet {
-                    let path = output.join(format!("{}.parquet", table.name));
-                    return options.write(&path, |file| Ok(write_parquet(table, file)?));
-                }
-                let form = if options.semicolon { CsvForm::Semicolon } else { CsvForm::Sheet };
-                options.write(&output.join(format!("{}.csv", table.name)), |file| Ok(write_csv(table, form, file)?))
-            };
-            tables.iter().map(one).collect::<anyhow::Result<_>>()?
-        }
+            let form = if options.semicolon { CsvForm::Semicolon } else { CsvForm::Sheet };
+            options.write(&output.join(format!("{}.csv", table.name)), |file| Ok(write_csv(table, form, file)?))
+        };
+        tables.iter().map(one).collect::<anyhow::Result<_>>()?
     };
     if !options.quiet {
         let count = |table: &Table| format!("{} {} x {}", table.name, table.rows.len(), table.columns.len());
@@ -126,6 +136,26 @@ pub(crate) fn export(options: ExportOptions) -> anyhow::Result<ExitStatus> {
         written.iter().for_each(|path| say(path.display()));
     }
     Ok(ExitStatus::Done)
+}
+
+/// Writes a candidate as Modelica text.
+fn export_model(options: &ExportOptions) -> anyhow::Result<ExitStatus> {
+    if !options.what.is_empty() || options.decimate.is_some() {
+        return Err(Usage::new("--what and --decimate are for tables").hint("leave them out").into());
+    }
+    let text = modelica(&opened(&options.run)?, options.candidate.as_deref())?;
+    let output = options.output.clone().unwrap_or_else(|| "model.mo".into());
+    let written = options.write(&output, |file| Ok(file.write_all(text.as_bytes())?))?;
+    if !options.quiet {
+        say(written.display());
+    }
+    Ok(ExitStatus::Done)
+}
+
+/// The artifacts of a run.
+fn opened(folder: &Path) -> anyhow::Result<Vec<Artifact>> {
+    let paths = artifacts_of_a_run(folder)?;
+    Ok(paths.iter().map(|path| Artifact::open(path).map_err(Refused::from)).collect::<Result<_, _>>()?)
 }
 
 impl ExportOptions {
@@ -156,9 +186,7 @@ fn tables_of(folder: &Path, decimate: Option<usize>) -> anyhow::Result<Vec<Table
     if of_fleet.iter().all(|(_, path)| path.is_file()) {
         return of_fleet.iter().map(|(name, path)| read_parquet(name, path)).collect();
     }
-    let artifacts = artifacts_of_a_run(folder)?;
-    let artifacts: Vec<Artifact> =
-        artifacts.iter().map(|path| Artifact::open(path).map_err(Refused::from)).collect::<Result<_, _>>()?;
+    let artifacts = opened(folder)?;
     let found = |tables: Result<Table, ReadError>| tables.map_err(Refused::from);
     let mut tables = wave_tables(&waves_of(&artifacts), decimate);
     tables.push(found(parameters(&artifacts))?);

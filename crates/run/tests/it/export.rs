@@ -234,3 +234,24 @@ fn channels_of_any_name_have_topics_and_columns_of_their_own() {
     let waves = fs::read_to_string(folder.path().join("export/waves.csv")).unwrap();
     assert!(waves.lines().next().unwrap().contains(",'=1+1/acceleration_m_per_s2,"), "{waves}");
 }
+
+#[test]
+fn a_candidate_is_written_as_a_modelica_model() {
+    let folder = tempfile::tempdir().unwrap();
+    done(&export(&golden(), folder.path(), &["--to", "modelica", "-o", "own.mo"]));
+    let text = fs::read_to_string(folder.path().join("own.mo")).unwrap();
+    assert!(text.starts_with("model Candidate \"") && text.ends_with("end Candidate;\n"), "{text}");
+    let id = "double-spring-mass-damper/direct-fit/1";
+    done(&export(&golden(), folder.path(), &["--to", "modelica", "--candidate", id]));
+    let of_double = fs::read_to_string(folder.path().join("model.mo")).unwrap();
+    assert!(of_double.contains(id) && of_double.contains("der(v2) = a2;"), "{of_double}");
+    for (words, said) in [
+        (&["--to", "modelica", "--candidate", "double"][..], "has no candidate"),
+        (&["--to", "modelica", "--what", "waves"][..], "are for tables"),
+        (&["--to", "csv", "--candidate", id][..], "--candidate is for a model"),
+    ] {
+        let refused = export(&golden(), folder.path(), words);
+        let error = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(refused.status.code() == Some(2) && error.contains(said), "{error}");
+    }
+}
