@@ -14,7 +14,7 @@ const OF_SIMULATIONS: [&str; 4] = ["--node", "--axis", "--units", "--wall"];
 /// The pipeline of the runs.
 const PIPELINE: &str = "default";
 
-/// The command line: that of the comparison, with flags of records behind its runs.
+// That of the comparison, which has its help, with flags of records behind its runs.
 #[derive(Debug, clap::Parser)]
 #[command(name = "crumple-compare", version)]
 pub(crate) struct CompareOptions {

@@ -20,7 +20,8 @@ use crate::{ComparedRun, RunComparison};
 /// What is asked of a validation, and what it writes.
 #[derive(Debug, Clone, clap::Args)]
 pub struct ValidateArgs {
-    /// The first run is a test, the others are simulations of it: which is stiffer, where, and what forbids trust.
+    /// The first run is a test, or all in front of the first simulation; the others are simulations: which is stiffer,
+    /// where, and what forbids trust.
     #[arg(long)]
     pub validate: bool,
     /// A limit that a simulation must keep, such as crush<=20mm or velocity-iso>=0.9; several. Else exit code 1.

@@ -46,7 +46,7 @@ pub fn sections(pairs: &[(&Side<'_>, &Side<'_>)], all: &[Validation]) -> Vec<Sec
         columns: columns.clone(),
         rows,
     };
-    let mut sections = vec![section("Simulation less test", "Difference", differences(all))];
+    let mut sections = vec![section("Key numbers, simulation less test", "Difference", differences(all))];
     let of_segments = [
         ("Wall force over the test's, by crush", 0),
         ("Wall force over the test's, by travel of the engine", 1),
@@ -80,7 +80,10 @@ fn differences(all: &[Validation]) -> Vec<Row> {
             format!("90\u{a0}%: {}", words::between(&low, &high))
         });
         let text = words::deviation(factor * found.difference, places, unit);
-        Some(Cell { text, beside: ends.unwrap_or_default(), differs: found.is_apart() })
+        let [own, of_test] = [found.simulation, found.test].map(|x| words::decimals(factor * x, places));
+        let both = words::with_unit(format!("{own} for {of_test}"), unit);
+        let beside = ends.map_or_else(|| both.clone(), |ends| format!("{both}; {ends}"));
+        Some(Cell { text, beside, differs: found.is_apart() })
     };
     rows(&names(all, |one| one.differences.iter().map(|one| title(&one.name)).collect()), all, cell)
 }

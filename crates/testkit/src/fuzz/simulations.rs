@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 
 use crumple_artifact::Artifact;
-use crumple_artifact::records::RemarksV1;
+use crumple_artifact::records::{RemarksV1, TestV1};
 use crumple_signal::Sampled;
 
 use crate::fuzz::campaign::{Campaign, Ending, Tally, ending_of, is_sound};
@@ -15,7 +15,7 @@ use crate::places::shared;
 use crate::simulated;
 
 /// Parts of a channel that may differ: a part that is left out or written twice moves what follows in a text.
-const MOVED: f64 = 0.5;
+const MOVED: f64 = 0.2;
 /// Values of one file and of the changed one are the same within this part of the largest.
 const SAME: f64 = 1e-9;
 
@@ -31,6 +31,8 @@ struct Sound {
 #[derive(Default)]
 struct Read {
     waves: BTreeMap<String, Sampled>,
+    /// Contact in the time of the file, s.
+    contact_s: f64,
     codes: BTreeSet<String>,
 }
 
@@ -42,7 +44,9 @@ impl Read {
         let is_read = |id: &&String| !id.contains("acceleration") && !id.contains("force");
         let waves = artifact.waves().iter().filter(|(id, _)| is_read(id));
         let waves = waves.map(|(id, wave)| (id.clone(), wave.sampled.clone())).collect();
-        Some(Self { waves, codes: codes.unwrap_or_default() })
+        let contact = artifact.record::<TestV1>("/test").ok().flatten().and_then(|test| test.contact);
+        let contact_s = contact.map_or(0.0, |contact| contact.source_time_s);
+        Some(Self { waves, contact_s, codes: codes.unwrap_or_default() })
     }
 
     /// The first channel of which most values are others than in the sound file.
@@ -54,7 +58,7 @@ impl Read {
             let Some(of_sound) = sound.waves.get(*id) else { return false };
             let most = of_sound.samples().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
             let differs = |(k, x): (usize, &f64)| {
-                let at = of_sound.at(wave.time_s(k));
+                let at = of_sound.at(wave.time_s(k) + self.contact_s - sound.contact_s);
                 at.is_some_and(|y| (x - y).abs() > SAME.max(1e-3 * wave.dt_s()) * most)
             };
             let count = wave.samples().iter().enumerate().filter(|pair| differs(*pair)).count();

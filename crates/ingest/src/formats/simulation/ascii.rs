@@ -166,16 +166,18 @@ fn is_legend(text: &str) -> bool {
 }
 
 fn nodout(lines: &mut Lines<'_>, members: &mut Members) -> Result<()> {
-    let (mut time, mut is_motion) = (None, false);
+    // Rows without a time or names in front are left out, as those that are not whole.
+    let (mut time, mut is_motion, mut is_rotation) = (None, false, false);
     while let Some(line) = lines.take()? {
         let text = String::from_utf8_lossy(line.bytes);
         if let Some((_, at)) = text.split_once("( at time") {
-            (time, is_motion) = (number(at.trim_end().trim_end_matches(')').trim()), false);
+            let at = number(at.trim_end().trim_end_matches(')').trim()).filter(|at| at.is_finite());
+            (time, is_motion, is_rotation) = (at, false, false);
         } else if text.contains("x-disp") {
-            is_motion = true;
+            (is_motion, is_rotation) = (true, false);
         } else if text.contains("x-rot") {
-            is_motion = false;
-        } else if let Some(time) = time.filter(|_| is_motion && !text.trim().is_empty()) {
+            (is_motion, is_rotation) = (false, true);
+        } else if !is_rotation && !text.trim().is_empty() {
             // Twelve numbers of 12 characters, the first of 13; what is in front is the id.
             let text = text.trim_end();
             let row = text.len().checked_sub(13 + 11 * 12).filter(|at| text.is_ascii() && *at > 0).and_then(|at| {
@@ -187,9 +189,10 @@ fn nodout(lines: &mut Lines<'_>, members: &mut Members) -> Result<()> {
                 let id = text[..at].trim();
                 Some((id, values?)).filter(|_| !id.is_empty() && id.bytes().all(|b| b.is_ascii_digit()))
             });
-            match row {
-                Some((id, values)) => members.push(Kind::Node, id, time, &NODE, &values),
-                None => members.cut += 1,
+            match (row, time.filter(|_| is_motion)) {
+                (Some((id, values)), Some(time)) => members.push(Kind::Node, id, time, &NODE, &values),
+                (None, None) => {}
+                _ => members.cut += 1,
             }
         }
     }
