@@ -157,16 +157,24 @@ test *args:
     cargo test --workspace --doc --quiet
     CRUMPLE_PROFILE=dev cargo nextest run --workspace "$@"
 
-# Times of the numerical kernels and of reading CSV on one thread, each beside a plain memory pass, and of whole runs: writes the tables of docs/performance.md. With arguments (`just bench era`): kernels alone; `just bench --peer [--turns N]`: a Python script of pandas, scipy and matplotlib in turns with `crumple run`.
+# Times of the numerical kernels and of reading CSV on one thread, each beside a plain memory pass, and of whole runs: writes the tables of docs/performance.md. With arguments (`just bench era`): kernels alone; `just bench --peer [--turns N]`: a Python script of pandas, scipy and matplotlib in turns with `crumple run`; `just bench --binout`: a binout of 1 GB beside lasso-python.
 [group('development')]
 bench *args:
-    @if [ "${1-}" = --peer ]; then shift; just peer-bench "$@"; else just own-bench "$@"; fi
+    @case "${1-}" in --peer) shift; just peer-bench "$@";; --binout) just binout-bench;; *) just own-bench "$@";; esac
 
 [private]
 peer-bench *args: build
     @[ -x target/peer/bin/python ] || python3 -m venv target/peer
     @target/peer/bin/pip install --quiet --disable-pip-version-check pandas==3.1.1 scipy==1.17.1 matplotlib==3.11.2
     @cargo run --quiet --release --package crumple-testkit -- peer --bin "$bin" target/peer/bin/python "$@"
+
+[private]
+binout-bench: build
+    @[ -x target/binout-peer/bin/python ] || python3 -m venv target/binout-peer
+    @target/binout-peer/bin/pip install --quiet --disable-pip-version-check lasso-python==2.0.4
+    @cargo run --quiet --release --package crumple-testkit -- make-binout target/binout-peer/binout0000
+    @target/binout-peer/bin/python scripts/binout_peer.py "$bin/crumple-ingest" target/binout-peer/binout0000 3
+    @rm target/binout-peer/binout0000
 
 [private]
 own-bench *args:
@@ -391,7 +399,7 @@ windows: (target "x86_64-pc-windows-gnu") (target "wasm32-wasip1")
     cargo check --quiet --locked --workspace --exclude crumple-testkit --target x86_64-pc-windows-gnu
     cargo check --quiet --locked --package crumple-cli --no-default-features --target wasm32-wasip1
 
-# Mutated files and tampered artifacts through the programs, 1000 of each, and 100 plausible records through the chain: `just fuzz [--files N] [--first K] [--folder FOLDER]`.
+# Mutated files and tampered artifacts through the programs, 1000 of each, and 100 plausible records through the chain: `just fuzz [--files N] [--first K] [--folder FOLDER] [--simulations]`.
 [group('development')]
 fuzz *args: build
     @cargo run --quiet --release --package crumple-testkit -- fuzz --bin "$bin" "$@"

@@ -67,6 +67,9 @@ static OTHERS: &[Program] = &[
     crumple_run::PASSPORT,
     #[cfg(feature = "run")]
     crumple_run::DAMAGE,
+    #[cfg(feature = "run")]
+    crumple_run::COMPARE,
+    #[cfg(not(feature = "run"))]
     crumple_report::COMPARE,
     crumple_report::INDEX,
     #[cfg(feature = "run")]

@@ -37,4 +37,4 @@ pub use run_numbers::RunNumber;
 pub use stage::accept::ACCEPT;
 pub use stage::diff::{DIFF, diff};
 pub use stage::together::JointAnswer;
-pub use stage::{COMPARE, INDEX, PROGRAM};
+pub use stage::{COMPARE, CompareCli, INDEX, PROGRAM, compare_runs};

@@ -84,11 +84,11 @@ pub struct Options {
 /// The same command line with the flags that a run hands to the stage that reads the record: for help, man page and
 /// completion. [`sorted`] puts them behind `--`, so that none of them is read as one of the run.
 #[derive(Debug)]
-pub(crate) struct WithFlagsOfRecord(pub(crate) Options);
+pub(crate) struct WithFlagsOfRecord<O>(pub(crate) O);
 
-impl CommandFactory for WithFlagsOfRecord {
+impl<O: CommandFactory> CommandFactory for WithFlagsOfRecord<O> {
     fn command() -> clap::Command {
-        let own = Options::command();
+        let own = O::command();
         let ingest = (crumple_ingest::PROGRAM.command)();
         let is_own = |arg: &Arg| own.get_arguments().any(|known| known.get_id() == arg.get_id());
         let is_handed_on = |long: &str| !is_shared_flag(&format!("--{long}"));
@@ -103,9 +103,9 @@ impl CommandFactory for WithFlagsOfRecord {
     }
 }
 
-impl FromArgMatches for WithFlagsOfRecord {
+impl<O: FromArgMatches> FromArgMatches for WithFlagsOfRecord<O> {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        Options::from_arg_matches(matches).map(Self)
+        O::from_arg_matches(matches).map(Self)
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {

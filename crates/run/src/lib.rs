@@ -8,6 +8,7 @@
 //! `together` fits one model to several tests after their runs; `fleet` runs many records.
 
 mod command;
+mod compare;
 mod damage {
     //! Speed from damage: stiffness of a front by barrier tests, energy of a profile, speeds of a collision.
 
@@ -71,12 +72,18 @@ use std::path::Path;
 use crumple_stage::{Call, ExitStatus, Program, run_tool};
 
 use command::{Options, WithFlagsOfRecord, named, sorted};
+use compare::CompareOptions;
 use together::joint_run::TogetherOptions;
 
 /// `crumple-run`: one record.
-pub const RUN: Program = Program::of_tool::<WithFlagsOfRecord>("run", |call| {
+pub const RUN: Program = Program::of_tool::<WithFlagsOfRecord<Options>>("run", |call| {
     let call = sorted::<Options>(call, Some(&(crumple_ingest::PROGRAM.command)()));
     run_tool(&call, |WithFlagsOfRecord(options)| run::run(options))
+});
+/// `crumple-compare`, which runs records first.
+pub const COMPARE: Program = Program::of_tool::<WithFlagsOfRecord<CompareOptions>>("compare", |call| {
+    let sorted = sorted::<CompareOptions>(call, Some(&(crumple_ingest::PROGRAM.command)()));
+    run_tool(&sorted, |WithFlagsOfRecord(options)| compare::compare(options, call))
 });
 /// `crumple demo`: a sample record, and its run.
 pub const DEMO: Program =

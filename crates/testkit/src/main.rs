@@ -8,14 +8,14 @@ use crumple_testkit::benchmark as performance;
 use crumple_testkit::bytes::{Difference, compare, write_digests};
 use crumple_testkit::contact_cover;
 use crumple_testkit::fixture::fixtures;
-use crumple_testkit::fuzz::{Campaign, Tally, run_campaign};
+use crumple_testkit::fuzz::{Campaign, Tally, run_campaign, run_simulations};
 use crumple_testkit::identification_cover::{self, AMBIENT, right_clusters};
 use crumple_testkit::instructions::{self, Counts};
 use crumple_testkit::interval_cover::{Choices, Cover, DRAWN, FAMILIES, choices_of, cover_of};
 use crumple_testkit::made_fleet::write_fleet;
 use crumple_testkit::prediction_error::{KINDS, outcomes, tables};
 use crumple_testkit::truth::{self, Explained, Extent, Net, RunCase, cases};
-use crumple_testkit::workspace;
+use crumple_testkit::{simulated, workspace};
 
 /// The made fleet is the same every time.
 const SEED: u64 = 17;
@@ -39,6 +39,9 @@ enum Command {
         /// Number of the first
         #[arg(long, default_value_t = 0)]
         first: u64,
+        /// Files of simulations alone, with what is read of them
+        #[arg(long)]
+        simulations: bool,
     },
     /// How often nominal 90 % intervals of identified modes hold the truth, as Markdown, and of how many ambient
     /// records of a building the modes found are its own and no others
@@ -80,6 +83,14 @@ enum Command {
     MakeFixtures {
         #[arg(default_value_os_t = workspace().join("fixtures"))]
         folder: PathBuf,
+    },
+    /// Writes a binout of many nodes
+    MakeBinout {
+        file: PathBuf,
+        #[arg(default_value_t = 10_000)]
+        nodes: u64,
+        #[arg(default_value_t = 1050)]
+        states: usize,
     },
     /// Writes records of a made fleet
     MakeFleet {
@@ -224,8 +235,13 @@ fn run(command: Command) -> Result<bool, Failure> {
             Ok(true)
         }
         Command::Bytes(asked) => report_differences(&asked),
-        Command::Fuzz { programs, folder, files, first } => {
+        Command::Fuzz { programs, folder, files, first, simulations } => {
             let campaign = Campaign { bin: programs.bin, folder, first, files };
+            if simulations {
+                let tally = run_simulations(&campaign, &mut |line| println!("{line}"))?;
+                println!("mutated simulations: {tally}");
+                return Ok(tally.not_allowed() == 0);
+            }
             let tallies = run_campaign(&campaign, &mut |line| println!("{line}"))?;
             let [mutated, tampered, plausible] = &tallies;
             println!("mutated files: {mutated}\ntampered artifacts: {tampered}\nplausible records: {plausible}");
@@ -235,6 +251,11 @@ fn run(command: Command) -> Result<bool, Failure> {
             identification_benchmark(&programs.bin, (first, records), &kind)
         }
         Command::IntervalBenchmark(asked) => interval_benchmark(&asked),
+        Command::MakeBinout { file, nodes, states } => {
+            let mut out = std::io::BufWriter::new(std::fs::File::create(&file)?);
+            simulated::write_large_binout(&mut out, nodes, states)?;
+            Ok(true)
+        }
         Command::MakeFixtures { folder } => {
             for fixture in fixtures()? {
                 let target = folder.join(fixture.name);

@@ -7,13 +7,14 @@ use std::io::{self, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use crumple_artifact::refuse_named_pipe;
+use crumple_signal::SIMULATED;
 use rayon::prelude::*;
 
 use crate::error::WHAT_IS_READ;
 use crate::files::zip;
 use crate::formats::iso_mme::{channel_file, is_channel_folder, is_channel_name};
 use crate::formats::reader::{
-    Bundle, FILE_LIMIT, LargeFile, NamedBytes, Reader, ShowProgress, Stamp, check_total, stem,
+    Bundle, FILE_LIMIT, LargeFile, NamedBytes, ReadSeek, Reader, ShowProgress, Stamp, check_total, stem,
 };
 use crate::formats::registry::{is_ending_of_a_record, recognise};
 use crate::formats::simulation;
@@ -23,6 +24,10 @@ use crate::{IngestError, IngestSettings, Result, check_size, refuse_path, refuse
 const STREAM_ABOVE: u64 = 64 << 20;
 /// Start of such a table that is looked at for its layout, bytes.
 const HEAD_OF_LARGE: u64 = 16 << 20;
+/// Start of a file by which its format is known, bytes.
+const HEAD: u64 = 8192;
+/// Start of a file by which a simulation is known: the names of a table in front of its first row, bytes.
+const HEAD_OF_SIMULATION: u64 = 1 << 20;
 /// Files up to this are read at once; of larger ones is shown how far they are read, bytes.
 const AT_ONCE: u64 = 4 << 20;
 /// Largest table, bytes.
@@ -44,6 +49,10 @@ impl Bundle {
             bundle.sidecar = sidecar_of(&main_path, show)?;
             return Ok(bundle);
         }
+        if let Some(mut bundle) = Self::open_on_disk(&name, &main_path)? {
+            bundle.sidecar = sidecar_of(&main_path, show)?;
+            return Ok(bundle);
+        }
         let bytes = read(&main_path, show)?;
         let mut bundle = if zip::is_zip(&bytes) {
             let mut bundle = zip::open(&name, &bytes)?;
@@ -59,6 +68,32 @@ impl Bundle {
         };
         bundle.sidecar = sidecar_of(&main_path, show)?;
         Ok(bundle)
+    }
+
+    /// A record whose reader takes pieces from where they stand: its files stay on the disk. `None` for other formats,
+    /// and for files that fit into memory.
+    fn open_on_disk(name: &str, main_path: &Path) -> Result<Option<Self>> {
+        let (main_name, start) = (file_name(main_path), head(main_path, HEAD)?);
+        let Some(reader) = recognise(&main_name, &start).ok().filter(|reader| reader.seeks) else { return Ok(None) };
+        let (companions, _) = companions_of(reader, &main_name, main_path)?;
+        let mut stamps = Vec::new();
+        for (name, path) in std::iter::once((main_name.clone(), main_path.to_owned())).chain(companions) {
+            let file = Unchanging::open(&path).map_err(|error| unreadable(&path, &error))?;
+            stamps.push((name, path, file.stamp));
+        }
+        let total: u64 = stamps.iter().map(|(.., stamp)| stamp.length).sum();
+        if total <= STREAM_ABOVE {
+            return Ok(None);
+        }
+        let changed = io::Error::new(io::ErrorKind::ResourceBusy, "one of its files changed while it was read");
+        let digests = Self::digests_at(main_path).ok_or_else(|| unreadable(main_path, &changed))?;
+        let mut bundle = Self::with_reader(&main_name, start, reader);
+        name.clone_into(&mut bundle.name);
+        let files = stamps
+            .into_iter()
+            .map(|(name, path, stamp)| (name, LargeFile::new(path, stamp, digests.record.clone(), opened)));
+        bundle.on_disk = files.collect();
+        Ok(Some(bundle))
     }
 
     /// A long table: its start in memory, the rest read when it is parsed. `None` for another format.
@@ -81,7 +116,7 @@ impl Bundle {
         hasher.update_reader(watched).map_err(|error| unreadable(path, &error))?;
         let mut bundle = Self::from_bytes(&file_name(path), start)?;
         let digest = format!("blake3:{}", hasher.finalize().to_hex());
-        bundle.large = Some(LargeFile::new(path.to_owned(), stamp, digest, open_from));
+        bundle.large = Some(LargeFile::new(path.to_owned(), stamp, digest, opened));
         bundle.show_progress = show;
         Ok(Some(bundle))
     }
@@ -110,6 +145,13 @@ pub(crate) fn name_and_main_file(path: &Path) -> Result<(String, PathBuf)> {
     let main_path = if is_folder { main_file_of(path)? } else { path.to_owned() };
     refuse_named_pipe(&main_path).map_err(|error| unreadable(&main_path, &error))?;
     Ok((file_name(if is_folder { path } else { &main_path }), main_path))
+}
+
+/// Whether a file or a folder is the result of a simulation, by how its main file starts.
+pub fn is_simulation(path: &Path) -> bool {
+    let head = name_and_main_file(path).and_then(|(name, file)| Ok((name, head(&file, HEAD_OF_SIMULATION)?)));
+    let reader = head.and_then(|(name, head)| recognise(&name, &head));
+    reader.is_ok_and(|reader| SIMULATED.contains(&reader.format))
 }
 
 /// The files beside the main file that belong to its record, by name, and the bytes of all.
@@ -186,16 +228,20 @@ impl Read for Unchanging {
     }
 }
 
+impl Seek for Unchanging {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.file.seek(to)
+    }
+}
+
 fn stamp_of(file: &fs::File) -> io::Result<Stamp> {
     let metadata = file.metadata()?;
     Ok(Stamp { length: metadata.len(), modified: metadata.modified().ok() })
 }
 
-/// The file of the stamp from `offset` on.
-fn open_from(path: &Path, offset: u64, stamp: Stamp) -> io::Result<Box<dyn Read>> {
-    let mut file = fs::File::open(path)?;
-    file.seek(SeekFrom::Start(offset))?;
-    Ok(Box::new(Unchanging { file, stamp }))
+/// The file of the stamp.
+fn opened(path: &Path, stamp: Stamp) -> io::Result<Box<dyn ReadSeek>> {
+    Ok(Box::new(Unchanging { file: fs::File::open(path)?, stamp }))
 }
 
 pub(crate) fn file_name(path: &Path) -> String {

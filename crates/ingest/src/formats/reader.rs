@@ -28,6 +28,8 @@ pub struct Reader {
     pub spans_folders: bool,
     /// Whether a file that starts with these bytes can be read piece by piece, when it is too long for memory.
     pub streams: fn(head: &[u8]) -> bool,
+    /// Whether pieces of its files are read where they stand: long ones stay on the disk.
+    pub seeks: bool,
     /// Flags about the form of a file that have an effect here, `--unit`; others given are warned about.
     pub relevant_flags: &'static [&'static str],
     /// Whether mass and impact speed can be stated in comment lines of the file.
@@ -50,6 +52,7 @@ impl Reader {
             companion: |_, _| false,
             spans_folders: false,
             streams: |_| false,
+            seeks: false,
             relevant_flags,
             has_comments: false,
             read,
@@ -85,6 +88,8 @@ pub struct Bundle {
     pub reader: &'static Reader,
     /// A table too long to be held in memory as text: `main` has its start only.
     pub large: Option<LargeFile>,
+    /// All files by name, where they are too long for memory and the reader seeks: `main` has the start of its only.
+    pub on_disk: BTreeMap<String, LargeFile>,
     /// Shows how far the reading of a large file has come.
     pub show_progress: ShowProgress,
 }
@@ -93,8 +98,12 @@ pub struct Bundle {
 /// the bytes of each piece done.
 pub type ShowProgress = fn(what: String, total: u64) -> Box<dyn FnMut(u64)>;
 
-/// Opens a file from an offset on. Reading fails at its end where it is not the file of the stamp any more.
-pub type OpenFrom = fn(path: &Path, offset: u64, stamp: Stamp) -> io::Result<Box<dyn io::Read>>;
+/// What is read from any place on.
+pub trait ReadSeek: io::Read + io::Seek {}
+impl<T: io::Read + io::Seek> ReadSeek for T {}
+
+/// Opens a file. Reading fails at its end where it is not the file of the stamp any more.
+pub type Open = fn(path: &Path, stamp: Stamp) -> io::Result<Box<dyn ReadSeek>>;
 
 /// What changes when a file is written to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -105,26 +114,33 @@ pub struct Stamp {
     pub modified: Option<SystemTime>,
 }
 
-/// A table that is read piece by piece.
+/// A file that is read piece by piece.
 #[derive(Debug, Clone)]
 pub struct LargeFile {
     /// Its length, bytes.
     pub length: u64,
     path: PathBuf,
     stamp: Stamp,
-    open_from: OpenFrom,
+    open: Open,
     digest: String,
 }
 
 impl LargeFile {
-    /// A file at `path` with its stamp from before its digest was taken, opened by `open_from`.
-    pub fn new(path: PathBuf, stamp: Stamp, digest: String, open_from: OpenFrom) -> Self {
-        Self { length: stamp.length, path, stamp, open_from, digest }
+    /// A file at `path` with its stamp from before the digest of its record was taken, opened by `open`.
+    pub fn new(path: PathBuf, stamp: Stamp, digest: String, open: Open) -> Self {
+        Self { length: stamp.length, path, stamp, open, digest }
+    }
+
+    /// The file, to be read from any place on.
+    pub fn open(&self) -> io::Result<Box<dyn ReadSeek>> {
+        (self.open)(&self.path, self.stamp)
     }
 
     /// Its bytes from an offset on.
-    pub fn from_offset(&self, offset: u64) -> io::Result<Box<dyn io::Read>> {
-        (self.open_from)(&self.path, offset, self.stamp)
+    pub fn from_offset(&self, offset: u64) -> io::Result<Box<dyn ReadSeek>> {
+        let mut file = self.open()?;
+        file.seek(io::SeekFrom::Start(offset))?;
+        Ok(file)
     }
 }
 
@@ -137,7 +153,7 @@ impl Bundle {
     /// `blake3:<hex>` of the record. One file: of its bytes. Several: of each file's name, a zero byte, its length
     /// (u64, little-endian) and its bytes, the main file first, the others by name. The sidecar is not part of it.
     pub fn digest(&self) -> String {
-        if let Some(large) = &self.large {
+        if let Some(large) = self.large.as_ref().or(self.on_disk.values().next()) {
             return large.digest.clone();
         }
         let mut hasher = blake3::Hasher::new();

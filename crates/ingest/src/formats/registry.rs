@@ -59,6 +59,7 @@ impl Bundle {
             sidecar: None,
             reader,
             large: None,
+            on_disk: BTreeMap::new(),
             show_progress: |_, _| Box::new(|_| ()),
         }
     }

@@ -92,6 +92,48 @@ fn units_are_asked_with_the_system_that_fits() {
 }
 
 #[test]
+fn a_binout_longer_than_memory_stays_on_the_disk() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("binout0000");
+    // 2,500 nodes and 300 states: 73 MB. Files above 64 MiB are read where they stand.
+    let mut file = std::fs::File::create(&path).unwrap();
+    simulated::write_large_binout(&mut file, 2500, 300).unwrap();
+    let settings = given("--units mm-ms-kg --node 1 --mass 1000kg");
+    let bundle = Bundle::open(&path).unwrap();
+    assert!(bundle.main.bytes.len() <= 8192 && bundle.digest() == Bundle::digests_at(&path).unwrap().record);
+    let read = open(&path, &settings).unwrap();
+    check_known_motion(&read, false);
+    // Titled nodes, and the one that is asked for.
+    let nodes = |read: &Ingested| read.waves.iter().filter(|wave| wave.id.ends_with(".x_velocity")).count();
+    assert_eq!((nodes(&read), nodes(&open(&path, &given("--units mm-ms-kg --node 2000")).unwrap())), (3, 4));
+    let length = path.metadata().unwrap().len();
+    std::fs::OpenOptions::new().write(true).open(&path).unwrap().set_len(length - 400_000).unwrap();
+    let cut = open(&path, &settings).unwrap();
+    assert!(notes(&cut).contains("binout0000 is cut: 298 states"), "{}", notes(&cut));
+}
+
+#[test]
+fn a_wall_is_chosen_and_a_run_that_blew_up_ends() {
+    let settings = given("--units mm-ms-kg --node 7 --wall 1");
+    let read = read_as("binout", simulated::binout(true), &settings).unwrap();
+    check_known_motion(&read, true);
+    let text = refusal(read_as("binout", simulated::binout(true), &given("--units mm-ms-kg --node 7 --wall 2")));
+    assert!(text.contains("channel 2 of --wall is not listed"), "{text}");
+    let (head, rows) =
+        simulated::nodout().split_once("( at time 1.1000000E+02").map(|(a, b)| (a.to_owned(), b.to_owned())).unwrap();
+    let stars = "*".repeat(12);
+    let row = |line: &str| match line.strip_prefix("        7") {
+        Some(numbers) => format!("        7 {}\n", stars.repeat(numbers.len() / 12)),
+        None => format!("{line}\n"),
+    };
+    let blown: String = rows.lines().map(row).collect();
+    let text = format!("{head}( at time 1.1000000E+02{blown}");
+    let read = read_as("nodout", text, &given("--units mm-ms-kg --node 7")).unwrap();
+    assert!(notes(&read).contains("node.7 has no numbers from 110 on"), "{}", notes(&read));
+    assert_eq!(wave(&read, "node.7.x_velocity").samples.len(), 110);
+}
+
+#[test]
 fn damaged_files_are_refused_or_said_to_be_cut() {
     let settings = given("--units mm-ms-kg --node 7");
     let whole = simulated::binout(true);
@@ -227,16 +269,31 @@ fn case_13_open_radioss() {
 fn case_14_and_15_tables_of_open_radioss() {
     let Some(folder) = set(S3) else { return };
     let settings = given("--units mm-ms-kg --node 1000001");
-    let text = refusal(open(folder.join("CART01-impulse.csv"), &settings));
-    assert!(text.contains("columns 21 to 53 are \"var 20\" to \"var 52\""), "{text}");
     let direct = open(folder.join("CART01"), &settings).unwrap();
-    for name in ["CART01.csv", "CART01-garbled-header.csv"] {
+    for name in ["CART01.csv", "CART01-garbled-header.csv", "CART01-impulse.csv"] {
         let read = open(folder.join(name), &settings).unwrap();
         for id in ["node.1000001.x_velocity", "wall.1.x_force"] {
             let [a, b] = [&direct, &read].map(|read| wave(read, id).samples.samples());
             let most = a.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
             a.iter().zip(b).for_each(|(a, b)| near(*b, *a, 2e-3 * most));
         }
+        let is_nameless = name == "CART01-impulse.csv";
+        assert_eq!(notes(&read).contains("columns 21 to 53 have no names"), is_nameless, "{}", notes(&read));
+        assert_eq!(notes(&read).contains("impulse, not force, is written for wall 1"), is_nameless, "{}", notes(&read));
+    }
+    // Another number of variables, and another order of them, tell nothing.
+    let nameless = std::fs::read_to_string(folder.join("CART01-impulse.csv")).unwrap();
+    let (names, rows) = nameless.split_once('\n').unwrap();
+    let one_less = names.replacen("var 28\"", "var 2x\"", 1);
+    let turned = rows.lines().map(|row| {
+        let mut fields: Vec<&str> = row.split(',').collect();
+        fields.swap(20, 26);
+        fields.join(",") + "\n"
+    });
+    for table in [format!("{one_less}\n{rows}"), format!("{names}\n{}", turned.collect::<String>())] {
+        let text = refusal(read_as("CART01.csv", table, &settings));
+        assert!(text.contains("columns 21 to 53 are \"var 20\" to \"var 52\""), "{text}");
+        assert!(text.contains("give the T01 file itself"), "{text}");
     }
 }
 

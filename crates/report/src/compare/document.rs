@@ -90,7 +90,7 @@ impl<'a> RunComparison<'a> {
     }
 
     /// The same page about a simulation and its test: what it comes to, its tables in front of what the runs were made
-    /// with and in place of the recommended models, its figures.
+    /// with and in place of all others, its figures.
     #[must_use]
     pub fn of_simulations(
         mut self,
@@ -99,9 +99,8 @@ impl<'a> RunComparison<'a> {
         sections: Vec<Section>,
         figures: Vec<Figure>,
     ) -> Self {
-        let made = self.sections.iter().filter(|section| section.of == SETTING).cloned().collect::<Vec<_>>();
-        self.sections.retain(|section| section.of == NUMBER);
-        self.sections.extend(sections.into_iter().filter(|section| !section.rows.is_empty()).chain(made));
+        self.sections.retain(|section| section.of == SETTING);
+        self.sections.splice(0..0, sections.into_iter().filter(|section| !section.rows.is_empty()));
         Self { title, sentences, figures, figures_before: RATING, ..self }
     }
 

@@ -8,7 +8,7 @@ use crate::{ComparedRun, RunComparison};
 use anyhow::Context;
 use crumple_artifact::{OutputKind, write_atomically};
 use crumple_stage::{
-    ExitStatus, Inputs, Pipeline, Usage, artifacts_of_a_run, by_way, columns, keep_budget, load_artifacts,
+    Call, ExitStatus, Inputs, Pipeline, Usage, artifacts_of_a_run, by_way, columns, keep_budget, load_artifacts,
     refuse_to_overwrite, say, told_apart, wrapped,
 };
 
@@ -41,16 +41,21 @@ pub fn refuse_one_run(folders: &[PathBuf]) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The command that makes a Markdown of these runs again.
-pub fn command_again(folders: &[PathBuf], flag: Option<&str>, markdown: &Path) -> String {
-    let named = folders.iter().map(PathBuf::as_path).chain(flag.map(Path::new));
-    let words: Vec<String> =
-        named.chain([Path::new("--markdown"), markdown]).map(|word| shell_word(&word.display().to_string())).collect();
-    format!("{} {}", by_way("just compare", "crumple compare"), words.join(" "))
+/// The command that was typed, to be typed again.
+pub fn as_typed(call: &Call) -> String {
+    let words = call.words.iter().map(|word| word.to_string_lossy()).filter(|word| word != "--compare");
+    let command = by_way("just compare", "crumple compare").to_owned();
+    words.fold(command, |typed, word| typed + " " + &shell_word(&word))
 }
 
 /// Reads run folders and writes the page that compares them, and its tables as Markdown where asked for.
-pub fn compare(folders: &[PathBuf], page: &Path, markdown: Option<&Path>, quiet: bool) -> anyhow::Result<ExitStatus> {
+pub fn compare(
+    folders: &[PathBuf],
+    page: &Path,
+    markdown: Option<&Path>,
+    quiet: bool,
+    call: &Call,
+) -> anyhow::Result<ExitStatus> {
     refuse_one_run(folders)?;
     let mut runs = Vec::new();
     for (folder, name) in folders.iter().zip(told_apart(folders)) {
@@ -59,7 +64,7 @@ pub fn compare(folders: &[PathBuf], page: &Path, markdown: Option<&Path>, quiet:
     let comparison = RunComparison::new(&runs)?;
     write(page, OutputKind::Report, &comparison.to_html())?;
     if let Some(path) = markdown {
-        write(path, OutputKind::Markdown, &comparison.to_markdown(&command_again(folders, None, path)))?;
+        write(path, OutputKind::Markdown, &comparison.to_markdown(&as_typed(call)))?;
     }
     if !quiet {
         let columns = columns();

@@ -22,8 +22,8 @@ use anyhow::Context;
 use console::Screen;
 use crumple_artifact::{OutputKind, replace_atomically, write_atomically};
 use crumple_stage::{
-    ExitStatus, Pipeline, Program, Usage, artifacts_of_a_run, be_quiet, keep_budget, load_artifacts, pipeline_table,
-    refuse_to_overwrite, results_of_an_earlier_run, run_tool, say, to_stdout,
+    Call, ExitStatus, Pipeline, Program, Usage, artifacts_of_a_run, be_quiet, keep_budget, load_artifacts,
+    pipeline_table, refuse_to_overwrite, results_of_an_earlier_run, run_tool, say, to_stdout,
 };
 use pictures::{Fonts, write_figures};
 
@@ -144,8 +144,10 @@ impl Cli {
 }
 
 /// The program.
-pub const PROGRAM: Program =
-    Program { remarks: &[crate::findings::REMARKS], ..Program::of_tool::<Cli>("report", |call| run_tool(call, run)) };
+pub const PROGRAM: Program = Program {
+    remarks: &[crate::findings::REMARKS],
+    ..Program::of_tool::<Cli>("report", |call| run_tool(call, |cli| run(cli, call)))
+};
 
 /// Many run folders as a table on one page.
 #[derive(Debug, clap::Parser)]
@@ -167,17 +169,18 @@ pub struct IndexCli {
 #[derive(Debug, clap::Parser)]
 #[command(name = "crumple-compare", version, after_long_help = crate::validate::requirements::help())]
 pub struct CompareCli {
-    /// Run folders.
+    /// Run folders; with --validate records too, which are run first (into runs/).
     #[arg(required = true, value_name = "RUN")]
-    inputs: Vec<PathBuf>,
+    pub inputs: Vec<PathBuf>,
     /// Page to write.
     #[arg(short, long, value_name = "PAGE", default_value = "compare.html")]
     output: PathBuf,
     /// Markdown to write too, for a merge request: what the page says first.
     #[arg(long, value_name = "FILE")]
     markdown: Option<PathBuf>,
+    /// Simulations against their test.
     #[command(flatten)]
-    validation: validate::ValidateArgs,
+    pub validation: validate::ValidateArgs,
     /// No summary on stderr.
     #[arg(short, long)]
     quiet: bool,
@@ -189,23 +192,25 @@ pub const INDEX: Program = Program::of_tool::<IndexCli>("index", |call| {
 });
 
 /// `crumple-report --compare` by itself.
-pub const COMPARE: Program = Program::of_tool::<CompareCli>("compare", |call| {
-    run_tool(call, |cli: CompareCli| {
-        let CompareCli { inputs, output, markdown, validation, quiet } = &cli;
-        match validation.validate {
-            true => validate::validate(inputs, output, markdown.as_deref(), validation, *quiet),
-            false => compare::compare(inputs, output, markdown.as_deref(), *quiet),
-        }
-    })
-});
+pub const COMPARE: Program =
+    Program::of_tool::<CompareCli>("compare", |call| run_tool(call, |cli: CompareCli| compare_runs(&cli, call)));
+
+/// Compares run folders as the call asks for.
+pub fn compare_runs(cli: &CompareCli, call: &Call) -> anyhow::Result<ExitStatus> {
+    let CompareCli { inputs, output, markdown, validation, quiet } = cli;
+    match validation.validate {
+        true => validate::validate(inputs, output, markdown.as_deref(), validation, *quiet, call),
+        false => compare::compare(inputs, output, markdown.as_deref(), *quiet, call),
+    }
+}
 
 /// Reads the artifacts and writes both files.
 ///
 /// Errors carry their exit status: a pipeline file that is not there is a usage error, a damaged artifact a refusal.
-fn run(mut cli: Cli) -> anyhow::Result<ExitStatus> {
+fn run(mut cli: Cli, call: &Call) -> anyhow::Result<ExitStatus> {
     if cli.compare {
         let page = cli.output.as_deref().unwrap_or(Path::new("compare.html"));
-        return compare::compare(&cli.inputs, page, cli.markdown.as_deref(), cli.quiet);
+        return compare::compare(&cli.inputs, page, cli.markdown.as_deref(), cli.quiet, call);
     }
     if cli.index {
         let page = cli.output.as_deref().unwrap_or(Path::new("index.html"));

@@ -6,9 +6,9 @@ use crumple_artifact::OutputKind;
 use crumple_signal::{
     Acceleration, IntegrationRule, IntegrationSettings, IntegrationStart, QuantityKind, Sampled, Signal, integrate,
 };
-use crumple_stage::{ExitStatus, Inputs, Usage, columns, refuse_to_overwrite, say, to_stdout, wrapped};
+use crumple_stage::{Call, ExitStatus, Inputs, Usage, columns, refuse_to_overwrite, say, to_stdout, wrapped};
 
-use super::compare::{command_again, read_run, refuse_one_run, write};
+use super::compare::{as_typed, read_run, refuse_one_run, write};
 use crate::compare::review_files::junit;
 use crate::validate::checks::ModelRecords;
 use crate::validate::figures::figures;
@@ -20,7 +20,8 @@ use crate::{ComparedRun, RunComparison};
 /// What is asked of a validation, and what it writes.
 #[derive(Debug, Clone, clap::Args)]
 pub struct ValidateArgs {
-    /// The first run is a test, the others are simulations of it: which is stiffer, where, and what forbids trust.
+    /// The first run is a test, or all in front of the first simulation; the others are simulations: which is stiffer,
+    /// where, and what forbids trust.
     #[arg(long)]
     pub validate: bool,
     /// A limit that a simulation must keep, such as crush<=20mm or velocity-iso>=0.9; several. Else exit code 1.
@@ -98,6 +99,7 @@ pub fn validate(
     markdown: Option<&Path>,
     args: &ValidateArgs,
     quiet: bool,
+    call: &Call,
 ) -> anyhow::Result<ExitStatus> {
     refuse_one_run(folders)?;
     let requirements = args.requirements()?;
@@ -116,9 +118,13 @@ pub fn validate(
         .zip(&beside)
         .map(|(run, beside)| Side { run, model: &beside.model, engine: beside.engine.as_ref() })
         .collect();
-    let (test, simulations) = (&sides[0], &sides[1..]);
+    // Tests stand in front of the first simulation; where no run is one by its files, the first is the test.
+    let tests = sides.iter().take_while(|side| !side.is_simulated()).count();
+    let (tests, simulations) = sides.split_at(if tests == sides.len() { 1 } else { tests.max(1) });
+    let pairs: Vec<(&Side<'_>, &Side<'_>)> =
+        simulations.iter().flat_map(|one| tests.iter().map(move |test| (test, one))).collect();
     let all: Result<Vec<Validation>, String> =
-        simulations.iter().map(|one| Validation::new(test, one, &requirements)).collect();
+        pairs.iter().map(|(test, one)| Validation::new(test, one, tests.len() > 1, &requirements)).collect();
     let all = match all {
         Ok(all) => all,
         Err(problem) => {
@@ -134,23 +140,22 @@ pub fn validate(
             [name + &first, place, trust]
         })
         .collect();
-    let names: Vec<&str> = all.iter().map(|one| one.name.as_str()).collect();
-    let title = format!("{} against {}", names.join(", "), test.run.name);
+    let names = |sides: &[Side<'_>]| sides.iter().map(|side| side.run.name.clone()).collect::<Vec<_>>().join(", ");
+    let title = format!("{} against {}", names(simulations), names(tests));
     let comparison = RunComparison::new(&runs)?.of_simulations(
         title,
         sentences,
-        sections(test.run, &runs[1..], &all),
-        figures(test, simulations, &all),
+        sections(&pairs, &all),
+        figures(tests, simulations, &all),
     );
     write(page, OutputKind::Report, &comparison.to_html())?;
     if let Some(path) = markdown {
-        let again = command_again(folders, Some("--validate"), path);
-        write(path, OutputKind::Markdown, &comparison.to_markdown(&again))?;
+        write(path, OutputKind::Markdown, &comparison.to_markdown(&as_typed(call)))?;
     }
     if let Some(path) = &args.junit {
         write(path, OutputKind::Junit, &junit("crumple validate", "not-held", &suites(&all)))?;
     }
-    let json = || Ok::<_, anyhow::Error>(serde_json::to_string_pretty(&to_json(&test.run.name, &all))? + "\n");
+    let json = || Ok::<_, anyhow::Error>(serde_json::to_string_pretty(&to_json(&all))? + "\n");
     match (&args.json, json_file) {
         (Some(_), Some(path)) => write(path, OutputKind::Summary, &json()?)?,
         (Some(_), None) => to_stdout(json()?.as_bytes())?,

@@ -9,26 +9,20 @@ use crate::figures::time_view::{ACCELERATION, FORCE, VELOCITY, over_time_axis};
 use crumple_signal::Sampled;
 
 /// Velocity, acceleration and wall force over time, wall force over crush, energies, ratio by segment.
-pub fn figures(test: &Side<'_>, simulations: &[Side<'_>], validations: &[Validation]) -> Vec<Figure> {
+pub fn figures(tests: &[Side<'_>], simulations: &[Side<'_>], validations: &[Validation]) -> Vec<Figure> {
     let mut curves = Figure::new("validation", "Test and simulation");
-    let sides: Vec<(&Side<'_>, usize)> = std::iter::once(test)
-        .chain(simulations)
-        .enumerate()
-        .map(|(k, side)| {
-            let look = match k.checked_sub(1) {
-                None => Look::line(Colour::Test, Dash::Solid).width(Width::Thick),
-                Some(k) => Look::of_series(k),
-            };
-            (side, curves.entry(side.run.name.clone(), look, true))
-        })
-        .collect();
+    let of_test = |k: usize| Look::line(Colour::Test, [Dash::Solid, Dash::Dashed][k.min(1)]).width(Width::Thick);
+    let looks = (0..tests.len()).map(of_test).chain((0..simulations.len()).map(Look::of_series));
+    let sides = tests.iter().chain(simulations).zip(looks);
+    let sides: Vec<(&Side<'_>, usize)> =
+        sides.map(|(side, look)| (side, curves.entry(side.run.name.clone(), look, true))).collect();
     type Wave = for<'a> fn(&'a Side<'_>) -> Option<&'a Sampled>;
     let waves: [(&str, f64, Wave); 3] = [
         (VELOCITY, KM_PER_H_PER_M_PER_S, |side| side.run.run.measured.velocity.as_ref()),
         (ACCELERATION, G_PER_M_PER_S2, |side| side.run.run.acceleration()),
         ("wall force, kN", KILO, |side| side.run.run.measured.barrier_force.as_ref()),
     ];
-    let view = view_ms(&test.run.run);
+    let view = view_ms(&tests[0].run.run);
     for (title, factor, wave) in waves {
         let mut panel = over_time_axis(view, Axis::new(title));
         for (side, entry) in &sides {
@@ -37,12 +31,14 @@ pub fn figures(test: &Side<'_>, simulations: &[Side<'_>], validations: &[Validat
         curves.panels.push(panel);
     }
     let mut over_crush = Panel::new(Axis::new("crush, mm"), Axis::new(FORCE));
+    // A force of the wall beside a mass times a deceleration would look like a difference.
+    let by_wall = sides.iter().all(|(side, _)| side.run.run.measured.barrier_force.is_some());
     for (side, entry) in &sides {
-        over_crush.line(*entry, force_over_crush(side).unwrap_or_default());
+        over_crush.line(*entry, force_over_crush(side, by_wall).unwrap_or_default());
     }
     curves.panels.push(over_crush);
-    curves.caption = "Time from contact. Force over crush: that of the wall where the run has one, else mass times \
-                      deceleration; up to the end of crush."
+    curves.caption = "Time from contact. Force over crush: that of the wall where all runs have one, else mass \
+                      times deceleration; up to the end of crush."
         .to_owned();
     let mut energies = Figure::new("energies", "Energies of the simulation");
     for side in simulations {
@@ -59,12 +55,12 @@ pub fn figures(test: &Side<'_>, simulations: &[Side<'_>], validations: &[Validat
     all.into_iter().map(Figure::tidy).filter(|figure| !figure.panels.is_empty()).collect()
 }
 
-fn force_over_crush(side: &Side<'_>) -> Option<Vec<[f64; 2]>> {
+fn force_over_crush(side: &Side<'_>, by_wall: bool) -> Option<Vec<[f64; 2]>> {
     let run = &side.run.run;
     let x = run.measured.displacement.as_ref()?;
     let end_s = run.time_of_crush_s()?;
     let mass_kg = run.test.mass_kg;
-    let force = |t: f64| match &run.measured.barrier_force {
+    let force = |t: f64| match run.measured.barrier_force.as_ref().filter(|_| by_wall) {
         Some(force) => force.at(t),
         None => Some(-mass_kg? * run.acceleration()?.at(t)?),
     };

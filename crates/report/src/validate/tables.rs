@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use super::requirements::shown;
 use super::segments::Segment;
-use super::validation::Validation;
+use super::validation::{Side, Validation};
 use crate::ComparedRun;
 use crate::compare::document::{RATING, Section};
 use crate::compare::numbers::row;
@@ -38,7 +38,7 @@ fn names(all: &[Validation], of_one: impl Fn(&Validation) -> Vec<String>) -> Vec
 }
 
 /// The tables, each with a column a simulation; parameters beside those of the test.
-pub fn sections(test: &ComparedRun, simulations: &[ComparedRun], all: &[Validation]) -> Vec<Section> {
+pub fn sections(pairs: &[(&Side<'_>, &Side<'_>)], all: &[Validation]) -> Vec<Section> {
     let columns: Vec<String> = all.iter().map(|one| one.name.clone()).collect();
     let section = |heading: &str, of: &'static str, rows: Vec<Row>| Section {
         heading: heading.to_owned(),
@@ -46,7 +46,7 @@ pub fn sections(test: &ComparedRun, simulations: &[ComparedRun], all: &[Validati
         columns: columns.clone(),
         rows,
     };
-    let mut sections = vec![section("Simulation less test", "Difference", differences(all))];
+    let mut sections = vec![section("Key numbers, simulation less test", "Difference", differences(all))];
     let of_segments = [
         ("Wall force over the test's, by crush", 0),
         ("Wall force over the test's, by travel of the engine", 1),
@@ -54,9 +54,9 @@ pub fn sections(test: &ComparedRun, simulations: &[ComparedRun], all: &[Validati
     ];
     sections.extend(of_segments.map(|(heading, k)| section(heading, "Segment", by_segment(all, k))));
     sections.push(section("Ratings, the test as reference", RATING, ratings(all)));
-    for (simulation, one) in simulations.iter().zip(all) {
+    for ((test, simulation), one) in pairs.iter().zip(all) {
         if let Some(family) = &one.family {
-            sections.push(parameters([test, simulation], family));
+            sections.push(parameters([test.run, simulation.run], family));
         }
     }
     sections.push(section("Quality of the simulation", "Check", checks(all)));
@@ -80,7 +80,10 @@ fn differences(all: &[Validation]) -> Vec<Row> {
             format!("90\u{a0}%: {}", words::between(&low, &high))
         });
         let text = words::deviation(factor * found.difference, places, unit);
-        Some(Cell { text, beside: ends.unwrap_or_default(), differs: found.is_apart() })
+        let [own, of_test] = [found.simulation, found.test].map(|x| words::decimals(factor * x, places));
+        let both = words::with_unit(format!("{own} for {of_test}"), unit);
+        let beside = ends.map_or_else(|| both.clone(), |ends| format!("{both}; {ends}"));
+        Some(Cell { text, beside, differs: found.is_apart() })
     };
     rows(&names(all, |one| one.differences.iter().map(|one| title(&one.name)).collect()), all, cell)
 }
@@ -204,7 +207,7 @@ pub fn suites(all: &[Validation]) -> Vec<Suite> {
 }
 
 /// All numbers, SI, for scripts.
-pub fn to_json(test: &str, all: &[Validation]) -> Value {
+pub fn to_json(all: &[Validation]) -> Value {
     let one = |one: &Validation| {
         let ratings = one.ratings.iter().map(|rating| {
             let parts: serde_json::Map<String, Value> =
@@ -218,6 +221,7 @@ pub fn to_json(test: &str, all: &[Validation]) -> Value {
             .collect();
         json!({
             "name": one.name,
+            "test": one.test,
             "sentences": one.verdict.sentences(),
             "verdict": one.verdict,
             "differences": one.differences,
@@ -227,9 +231,5 @@ pub fn to_json(test: &str, all: &[Validation]) -> Value {
             "assumed": one.assumed.iter().cloned().collect::<std::collections::BTreeMap<_, _>>(),
         })
     };
-    json!({
-        "schema": "crumple.validation.v1",
-        "test": test,
-        "simulations": all.iter().map(one).collect::<Vec<_>>(),
-    })
+    json!({"schema": "crumple.validation.v1", "simulations": all.iter().map(one).collect::<Vec<_>>()})
 }

@@ -43,8 +43,10 @@ pub struct Side<'a> {
 /// What a simulation comes to beside its test.
 #[derive(Debug)]
 pub struct Validation {
-    /// Name of the simulation.
+    /// Name of the simulation; of one beside several tests with that of the test.
     pub name: String,
+    /// Name of the test.
+    pub test: String,
     /// What it comes to.
     pub verdict: Verdict,
     /// Key numbers of both.
@@ -67,7 +69,7 @@ pub struct Validation {
 
 impl Side<'_> {
     /// Whether it is the result of a simulation.
-    fn is_simulated(&self) -> bool {
+    pub fn is_simulated(&self) -> bool {
         self.test().source.is_simulated()
     }
 
@@ -148,8 +150,13 @@ fn family(test: &ComparedRun, simulation: &ComparedRun) -> Option<[String; 2]> {
 }
 
 impl Validation {
-    /// Compares. Errors: why there is nothing to compare.
-    pub fn new(test: &Side<'_>, simulation: &Side<'_>, requirements: &[Requirement]) -> Result<Self, String> {
+    /// Compares; `of_several` is whether it is one of several tests. Errors: why there is nothing to compare.
+    pub fn new(
+        test: &Side<'_>,
+        simulation: &Side<'_>,
+        of_several: bool,
+        requirements: &[Requirement],
+    ) -> Result<Self, String> {
         let no_motion = |side: &Side<'_>| side.run.run.measured.velocity.is_none();
         if let Some(side) = [test, simulation].into_iter().find(|side| no_motion(side)) {
             return Err(format!("{} has no velocity after contact", side.run.name));
@@ -173,8 +180,10 @@ impl Validation {
             ("acceleration", a.acceleration().zip(b.acceleration())),
         ];
         let ratings = waves.into_iter().filter_map(|(name, both)| Rating::new(name, both?.0, both?.1, to_s)).collect();
+        let (name, of_test) = (simulation.run.name.clone(), test.run.name.clone());
         let mut validation = Self {
-            name: simulation.run.name.clone(),
+            name: if of_several { format!("{name} against {of_test}") } else { name },
+            test: of_test,
             verdict,
             differences,
             deceleration,
@@ -256,7 +265,7 @@ fn assumed(test: &Side<'_>, simulation: &Side<'_>) -> Vec<(String, String)> {
         let rule = run.events.as_ref().map(|events| events.time_zero_rule.clone()).unwrap_or_default();
         let filter = run.filter.as_ref().map_or_else(String::new, |filter| format!(", filter {}", filter.mode));
         let pulse = run.channel_id().unwrap_or_default();
-        add(&format!("{name}: pulse"), format!("{pulse}{filter}; contact by {rule}"));
+        add(&format!("{name}: pulse"), format!("{pulse}{filter}; contact: {rule}"));
     }
     for (code, what) in TAKEN {
         let taken = simulation.run.run.remarks.iter().filter(|remark| remark.code == code);

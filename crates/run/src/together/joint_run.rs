@@ -258,18 +258,22 @@ fn run_each(runs: &[TestRun], options: &TogetherOptions) -> anyhow::Result<Optio
         arguments.extend(["--pipeline".into(), OsString::from(&options.pipeline)]);
         arguments.extend(options.programs.arguments());
         arguments.extend(["--flags".into(), options.flags.to_string().into(), "--".into(), record.into()]);
-        let failed = match run_program(own_command("run").args(&arguments))? {
-            StageExit::WithResult(_) if run.folder.join(INTEGRATED).is_file() => None,
-            StageExit::WithResult(status) | StageExit::Failed(status) => Some(status),
-            StageExit::Contradicts => Some(ExitStatus::Refused),
-            StageExit::Unforeseen(_) => Some(ExitStatus::Failure),
-        };
-        if let Some(status) = failed {
+        if let Some(status) = run_record(&run.folder, &arguments)? {
             say(format_args!("error: the run of {} failed; no joint result was written", record.display()));
             return Ok(Some(status));
         }
     }
     Ok(None)
+}
+
+/// Runs a record as `crumple run` does with these words. `Some`: the exit status of a run that has no motion.
+pub(crate) fn run_record(folder: &Path, words: &[OsString]) -> anyhow::Result<Option<ExitStatus>> {
+    Ok(match run_program(own_command("run").args(words))? {
+        StageExit::WithResult(_) if folder.join(INTEGRATED).is_file() => None,
+        StageExit::WithResult(status) | StageExit::Failed(status) => Some(status),
+        StageExit::Contradicts => Some(ExitStatus::Refused),
+        StageExit::Unforeseen(_) => Some(ExitStatus::Failure),
+    })
 }
 
 /// Motion of a test.

@@ -3,6 +3,8 @@
 
 mod campaign;
 mod plausible;
+mod simulations;
 mod tampering;
 
 pub use crate::fuzz::campaign::{Campaign, Ending, Tally, run_campaign};
+pub use crate::fuzz::simulations::run_simulations;

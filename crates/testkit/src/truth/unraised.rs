@@ -23,7 +23,7 @@ const NEEDS: &[(&str, &str)] = &[
         "117-118 120 124 129 131 157-158 160-162 164 169 212 218-219 222 225 330-335 342 344-346 353 356-357 360 \
          362 364-366 370 516 519-520 551",
     ),
-    ("the output of a simulation", "170-182"),
+    ("the output of a simulation", "170-185"),
     ("another motion, or a faulty sensor", "105 127-128 133 145-147 150 152 167-168 214-215 313-314 338 349 533"),
     ("a process or a model that is none of the made ones", "415-417 420-423 436 451 460 464 467 469 474 509"),
     ("several tests: each case is one", "504-506 564 804"),

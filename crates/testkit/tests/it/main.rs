@@ -24,4 +24,5 @@ mod passport;
 mod schemas;
 mod swapped;
 mod together;
+mod validate;
 mod why;

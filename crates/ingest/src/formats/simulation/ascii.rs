@@ -162,20 +162,22 @@ fn head(lines: &mut Lines<'_>, members: &mut Members, simulation: &mut Simulatio
 
 fn is_legend(text: &str) -> bool {
     text.split_whitespace().next().is_some_and(|word| word.bytes().all(|b| b.is_ascii_digit()))
-        && text.split_whitespace().nth(1).is_some_and(|word| number(word).is_none())
+        && text.split_whitespace().nth(1).is_some_and(|word| number(word).is_none_or(f64::is_nan))
 }
 
 fn nodout(lines: &mut Lines<'_>, members: &mut Members) -> Result<()> {
-    let (mut time, mut is_motion) = (None, false);
+    // Rows without a time or names in front are left out, as those that are not whole.
+    let (mut time, mut is_motion, mut is_rotation) = (None, false, false);
     while let Some(line) = lines.take()? {
         let text = String::from_utf8_lossy(line.bytes);
         if let Some((_, at)) = text.split_once("( at time") {
-            (time, is_motion) = (number(at.trim_end().trim_end_matches(')').trim()), false);
+            let at = number(at.trim_end().trim_end_matches(')').trim()).filter(|at| at.is_finite());
+            (time, is_motion, is_rotation) = (at, false, false);
         } else if text.contains("x-disp") {
-            is_motion = true;
+            (is_motion, is_rotation) = (true, false);
         } else if text.contains("x-rot") {
-            is_motion = false;
-        } else if let Some(time) = time.filter(|_| is_motion && !text.trim().is_empty()) {
+            (is_motion, is_rotation) = (false, true);
+        } else if !is_rotation && !text.trim().is_empty() {
             // Twelve numbers of 12 characters, the first of 13; what is in front is the id.
             let text = text.trim_end();
             let row = text.len().checked_sub(13 + 11 * 12).filter(|at| text.is_ascii() && *at > 0).and_then(|at| {
@@ -187,9 +189,10 @@ fn nodout(lines: &mut Lines<'_>, members: &mut Members) -> Result<()> {
                 let id = text[..at].trim();
                 Some((id, values?)).filter(|_| !id.is_empty() && id.bytes().all(|b| b.is_ascii_digit()))
             });
-            match row {
-                Some((id, values)) => members.push(Kind::Node, id, time, &NODE, &values),
-                None => members.cut += 1,
+            match (row, time.filter(|_| is_motion)) {
+                (Some((id, values)), Some(time)) => members.push(Kind::Node, id, time, &NODE, &values),
+                (None, None) => {}
+                _ => members.cut += 1,
             }
         }
     }
@@ -210,6 +213,8 @@ fn rwforc(lines: &mut Lines<'_>, members: &mut Members) -> Result<()> {
             ([_, wall, _, _, _, _], Some(values)) if is_walls && wall.bytes().all(|b| b.is_ascii_digit()) => {
                 members.push(Kind::Wall, wall, values[0], &FORCES, &values[2..]);
             }
+            // Stars that touch.
+            (_, Some(_)) if is_walls && text.contains('*') => members.cut += 1,
             ([], _) | (_, Some(_)) => {}
             _ => is_walls = is_walls && !text.contains("transducer"),
         }
@@ -266,8 +271,14 @@ fn glstat(lines: &mut Lines<'_>, members: &mut Members) -> Result<()> {
     Ok(())
 }
 
-/// A number as Fortran prints it; `1.2345-100` has no letter in front of its exponent.
-fn number(text: &str) -> Option<f64> {
+/// A number as Fortran prints it: `1.2345-100` has no letter in front of its exponent; NaN where it is none, as NaN,
+/// Infinity and the stars of a field that is too narrow.
+pub fn number(text: &str) -> Option<f64> {
+    let is_stars = !text.is_empty() && text.bytes().all(|b| b == b'*');
+    let word = text.trim_start_matches(['+', '-']);
+    if is_stars || ["nan", "inf", "infinity"].iter().any(|own| word.eq_ignore_ascii_case(own)) {
+        return Some(f64::NAN);
+    }
     if !text.bytes().all(|b| b.is_ascii_digit() || matches!(b, b'+' | b'-' | b'.' | b'E' | b'e' | b'D' | b'd')) {
         return None;
     }
@@ -287,7 +298,11 @@ mod tests {
         assert_eq!(number("1.5-100"), Some(1.5e-100));
         assert_eq!(number("-1.5D+02"), Some(-150.0));
         assert_eq!(number("-0.0000E+00"), Some(0.0));
-        assert_eq!((number("nan"), number(""), number("1-2-3")), (None, None, None));
+        assert_eq!(number("1.0+100"), Some(1e100));
+        assert_eq!((number("nano"), number(""), number("1-2-3")), (None, None, None));
+        for none in ["NaN", "-Infinity", "+Inf", "************"] {
+            assert!(number(none).unwrap().is_nan(), "{none}");
+        }
     }
 
     #[test]

@@ -6,9 +6,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::formats::simulation::history::{Kind, Member, Simulation};
-use crate::formats::simulation::lsda::Tree;
+use crate::formats::simulation::lsda::{Source, Tree};
 use crate::formats::simulation::remarks::EndMissing;
-use crate::{IngestError, Result, refuse, refuse_size};
+use crate::{IngestError, IngestSettings, Result, refuse, refuse_size};
 
 /// Folders that are read: path, metadata and what it holds.
 const FOLDERS: [(&str, &str, Kind); 5] = [
@@ -27,24 +27,23 @@ const COLUMN_LIMIT: usize = 200;
 ///
 /// # Errors
 /// A file that contradicts itself, nodes without ids, more states than memory is left for.
-pub fn read(files: &[(&str, &[u8])]) -> Result<Simulation> {
+pub fn read(files: Vec<(&str, Source<'_>)>, settings: &IngestSettings) -> Result<Simulation> {
     let mut tree = Tree::new();
     let mut cut = Vec::new();
-    for (name, bytes) in files {
-        let is_whole = tree.add(bytes).map_err(|found| {
+    let main = files.first().map_or("binout", |(name, _)| name);
+    for (name, file) in files {
+        let is_whole = tree.add(file).map_err(|found| {
             let hint = "the file is damaged: copy it again from where the solver wrote it";
             IngestError::content(name, found, "a whole binout of LS-DYNA", hint)
         })?;
         if !is_whole {
-            cut.push((*name).to_owned());
+            cut.push(name.to_owned());
         }
     }
-    let main = files.first().map_or("binout", |(name, _)| name);
-    let size: usize = files.iter().map(|(_, bytes)| bytes.len()).sum();
     let mut simulation = Simulation::default();
     let mut others: BTreeSet<&str> = tree.folders().filter_map(|path| path.split('/').nth(1)).collect();
     for (folder, metadata, kind) in FOLDERS {
-        let members = members(main, &tree, (folder, metadata, kind), size)?;
+        let members = members(main, &tree, (folder, metadata, kind), settings)?;
         if folder.split('/').nth(1).is_some_and(|top| others.remove(top)) {
             let empty = if members.is_empty() { ", nothing in it" } else { "" };
             simulation.contents.push(format!("{} ({} states{empty})", &folder[1..], tree.states(folder).len()));
@@ -63,6 +62,10 @@ pub fn read(files: &[(&str, &[u8])]) -> Result<Simulation> {
         let until = simulation.members.iter().filter_map(|member| member.times.last()).fold(0.0_f64, |a, b| a.max(*b));
         simulation.notes.push(EndMissing { files: cut.join(", "), states, until });
     }
+    tree.finished().map_err(|error| {
+        let hint = "read it again; of a run that goes on, give a copy";
+        IngestError::content(main, error.to_string(), "files that can be read and do not change", hint)
+    })?;
     Ok(simulation.finished())
 }
 
@@ -71,7 +74,7 @@ fn members(
     file: &str,
     tree: &Tree<'_>,
     (folder, metadata, kind): (&str, &str, Kind),
-    size: usize,
+    settings: &IngestSettings,
 ) -> Result<Vec<Member>> {
     let states = tree.states(folder);
     let ids = tree.numbers(metadata, "ids").unwrap_or_default();
@@ -84,41 +87,52 @@ fn members(
         );
     }
     let mut members = named(tree, metadata, kind, &ids);
-    let numbers = members.len().saturating_mul(states.len());
+    let width = members.len();
     let names: Vec<String> = states.first().map(|first| columns_of(tree, first, kind)).unwrap_or_default();
-    let count = numbers.saturating_mul(names.len());
-    if count > size {
+    let rows = states.len().saturating_mul(names.len());
+    if width.saturating_mul(rows) > tree.bytes() {
         return refuse(
             file,
-            format!("{} entries of {folder} in {} states are more than the file can hold", members.len(), states.len()),
+            format!("{width} entries of {folder} in {} states are more than the file can hold", states.len()),
             "values of every entry in every state",
             "the file is damaged: copy it again from where the solver wrote it",
         );
     }
-    if count as u64 > crumple_memory::left() / BYTES_A_NUMBER {
+    let room = crumple_memory::left() / BYTES_A_NUMBER;
+    let fits = |entries: usize| entries.saturating_mul(rows) as u64 <= room;
+    let wanted = wanted(&members, settings, settings.listing && fits(width));
+    if !fits(wanted.len()) {
         let limit = "what is left of the memory limit (--memory-limit gives more)";
-        return refuse_size(file, format!("{count} numbers in {folder}"), limit);
+        return refuse_size(file, format!("{} numbers in {folder}", wanted.len().saturating_mul(rows)), limit);
     }
-    let width = members.len();
     for state in &states {
         let Some(time) = tree.numbers(state, "time").and_then(|time| time.first().copied()) else { continue };
-        let values: Vec<Option<Vec<f64>>> = names.iter().map(|name| tree.numbers(state, name)).collect();
-        let is_whole = |values: &Option<Vec<f64>>| values.as_ref().is_some_and(|values| values.len() >= width);
-        // A state of which the end is missing.
-        if kind != Kind::Global && !values.iter().all(is_whole) {
+        if kind == Kind::Global {
+            // The energy of stone walls has a value for each wall.
+            let sum = |name: &str| Some(tree.numbers(state, name)?.iter().sum());
+            members[0].push(time, names.iter().filter_map(|name| Some((name.as_str(), sum(name)?))));
             continue;
         }
-        for (k, member) in members.iter_mut().enumerate() {
-            let of_member = |values: &Option<Vec<f64>>| {
-                let values = values.as_deref().unwrap_or_default();
-                // The energy of stone walls has a value for each wall.
-                if kind == Kind::Global { values.iter().sum() } else { values.get(k).copied().unwrap_or(f64::NAN) }
-            };
-            let row = names.iter().zip(&values).filter(|(_, values)| kind != Kind::Global || values.is_some());
-            member.push(time, row.map(|(name, values)| (name.as_str(), of_member(values))));
+        let values = names.iter().map(|name| tree.numbers_at(state, name, &wanted, width));
+        // Else the end of the state is missing.
+        let Some(values) = values.collect::<Option<Vec<Vec<f64>>>>() else { continue };
+        for (place, k) in wanted.iter().enumerate() {
+            let row = names.iter().zip(&values).map(|(name, values)| (name.as_str(), values[place]));
+            members[*k].push(time, row);
         }
     }
     Ok(members)
+}
+
+/// The entries that are read: of nodes those with a title, that of `--node` and the first, which are all that a record
+/// is made of; or all.
+fn wanted(members: &[Member], settings: &IngestSettings, is_all: bool) -> Vec<usize> {
+    let node = settings.node.as_deref().map(str::trim);
+    let is_wanted = |k: &usize| {
+        let member = &members[*k];
+        is_all || *k == 0 || member.kind != Kind::Node || !member.title.is_empty() || node == Some(&member.id)
+    };
+    (0..members.len()).filter(is_wanted).collect()
 }
 
 /// The members of a folder by ids and titles; one without a name for the whole.

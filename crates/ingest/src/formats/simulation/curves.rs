@@ -1,6 +1,7 @@
 //! Curves as Oasys T/HIS writes them (`.cur`): title of the graph, label of x, label of y, label of the curve, pairs;
 //! `CONTINUE` and the next one. A velocity is that of a node, a force that of a wall. Source: its manual, 22.1.
 
+use crate::formats::simulation::ascii::number;
 use crate::formats::simulation::history::{Kind, Member, Simulation};
 use crate::formats::text::lines::{Lines, decode, without_mark};
 use crate::{Place, Result, refuse};
@@ -27,7 +28,7 @@ pub fn recognises(head: &[u8]) -> bool {
 /// Two numbers.
 fn pair(line: &str) -> Option<(f64, f64)> {
     let mut words = line.split(|c: char| c.is_whitespace() || c == ',').filter(|word| !word.is_empty());
-    let pair = (words.next()?.parse().ok()?, words.next()?.parse().ok()?);
+    let pair = (number(words.next()?)?, number(words.next()?)?);
     words.next().is_none().then_some(pair)
 }
 

@@ -2,6 +2,8 @@
 
 use crumple_signal::{Notes, QuantityKind};
 
+use crate::formats::simulation::remarks::{BlownUp, NotNumbers};
+use crate::recording::content::list;
 use crate::recording::unit_system::Units;
 
 /// What a history belongs to.
@@ -76,10 +78,13 @@ impl Member {
         self.times.push(time);
     }
 
-    /// Leaves out states that a restart wrote again (the later one counts), and columns that are not whole.
-    fn finish(&mut self) {
+    /// Leaves out states that a restart wrote again (the later one counts), columns that are not whole, and what is no
+    /// number.
+    fn finish(&mut self, notes: &mut Notes) {
         let states = self.times.len();
-        self.columns.retain(|(_, values)| values.len() == states && values.iter().all(|value| value.is_finite()));
+        self.columns.retain(|(_, values)| values.len() == states);
+        self.leave_out_what_is_no_number(notes);
+        let states = self.times.len();
         let mut kept: Vec<usize> = Vec::new();
         for k in (0..states).rev() {
             if kept.last().is_none_or(|next| self.times[k] < self.times[*next]) {
@@ -91,6 +96,29 @@ impl Member {
             let pick = |values: &mut Vec<f64>| *values = kept.iter().map(|k| values[*k]).collect();
             self.columns.iter_mut().for_each(|(_, values)| pick(values));
             pick(&mut self.times);
+        }
+    }
+}
+
+impl Member {
+    /// Ends in front of a blow-up, of which the last state has no number; else without the columns that hold such.
+    fn leave_out_what_is_no_number(&mut self, notes: &mut Notes) {
+        let first = |values: &[f64]| values.iter().position(|x| !x.is_finite());
+        let is_last = |values: &[f64]| values.last().is_some_and(|x| !x.is_finite());
+        let blows_up = !self.columns.is_empty() && self.columns.iter().all(|(_, values)| is_last(values));
+        let of = self.name();
+        if blows_up {
+            let end = self.columns.iter().filter_map(|(_, values)| first(values)).min().unwrap_or(0);
+            notes.push(BlownUp { of, from: self.times[end] });
+            self.times.truncate(end);
+            self.columns.iter_mut().for_each(|(_, values)| values.truncate(end));
+            return;
+        }
+        let bad: Vec<String> =
+            self.columns.iter().filter(|(_, values)| first(values).is_some()).map(|(name, _)| name.clone()).collect();
+        if !bad.is_empty() {
+            self.columns.retain(|(name, _)| !bad.contains(name));
+            notes.push(NotNumbers { of, columns: list(&bad) });
         }
     }
 }
@@ -130,7 +158,8 @@ pub struct Simulation {
 impl Simulation {
     /// The members in order, without states that a restart wrote again.
     pub fn finished(mut self) -> Self {
-        self.members.iter_mut().for_each(Member::finish);
+        let Self { members, notes, .. } = &mut self;
+        members.iter_mut().for_each(|member| member.finish(notes));
         // Stable: as in the file.
         self.members.sort_by_key(|member| member.kind);
         self
@@ -181,6 +210,23 @@ mod tests {
             (member.times.as_slice(), member.column("x_velocity").unwrap()),
             (&[0.0, 1.0, 2.0][..], &[1.0, 4.0, 5.0][..])
         );
+    }
+
+    #[test]
+    fn a_blow_up_ends_the_record_and_a_bad_column_is_left_out() {
+        let member = |rows: &[(f64, f64, f64)]| {
+            let mut member = Member::new(Kind::Node, "1", "");
+            for (time, x, y) in rows {
+                member.push(*time, [("x_velocity", *x), ("y_velocity", *y)].into_iter());
+            }
+            Simulation { members: vec![member], ..Simulation::default() }.finished()
+        };
+        let blown = member(&[(0.0, 1.0, 0.0), (1.0, f64::NAN, 0.0), (2.0, f64::INFINITY, f64::NAN)]);
+        assert_eq!((blown.members[0].times.as_slice(), blown.members[0].columns.len()), (&[0.0][..], 2));
+        assert!(blown.notes.to_texts()[0].contains("node.1 has no numbers from 1 on"));
+        let bad = member(&[(0.0, 1.0, f64::NAN), (1.0, 2.0, 0.0), (2.0, 3.0, 0.0)]);
+        assert_eq!(bad.members[0].columns, [("x_velocity".to_owned(), vec![1.0, 2.0, 3.0])]);
+        assert!(bad.notes.to_texts()[0].contains("y_velocity of node.1 hold what is no number"));
     }
 
     #[test]

@@ -16,6 +16,7 @@ pub mod remarks;
 pub mod table;
 
 use ascii::Text;
+use lsda::Source;
 
 use crate::formats::reader::{Bundle, Reader};
 use crate::recording::content::Recording;
@@ -34,9 +35,15 @@ const fn of_files(
     Reader { companion, ..Reader::of_one_file(format, recognises, FLAGS, read) }
 }
 
-pub const BINOUT: Reader = of_files("ls-dyna-binout", lsda::recognises, is_of_family, |bundle, settings| {
-    record::recording(&bundle.name, binout::read(&files(bundle))?, settings)
-});
+pub const BINOUT: Reader = Reader {
+    seeks: true,
+    ..of_files("ls-dyna-binout", lsda::recognises, is_of_family, |bundle, settings| {
+        let in_memory = || files(bundle).into_iter().map(|(name, bytes)| (name, Source::of(bytes)));
+        let on_disk = || bundle.on_disk.iter().map(|(name, file)| (name.as_str(), Source::on_disk(file)));
+        let sources = if bundle.on_disk.is_empty() { in_memory().collect() } else { on_disk().collect() };
+        record::recording(&bundle.name, binout::read(sources, settings)?, settings)
+    })
+};
 pub const TEXTS: Reader = of_files("ls-dyna-text", ascii::recognises, is_text_beside, |bundle, settings| {
     record::recording(&bundle.name, ascii::read(&files(bundle))?, settings)
 });

@@ -10,7 +10,7 @@ pub fn describe(node: &Member) -> String {
     if node.title.is_empty() { node.id.clone() } else { format!("{} ({})", node.id, node.title) }
 }
 
-/// The node of `--node`, by its id, its title or words of that; else the only one. `None` without nodes.
+/// The node of `--node`, by its id, its title or words of that in any order; else the only one. `None` without nodes.
 ///
 /// # Errors
 /// A name that means no node or several; none asked for among several.
@@ -37,7 +37,8 @@ pub fn choose(file: &str, simulation: &Simulation, settings: &IngestSettings) ->
     let fold = name.to_lowercase();
     let by_id = fitting(&|node| node.id == name);
     let by_title = fitting(&|node| node.title.to_lowercase() == fold);
-    let by_words = fitting(&|node| node.title.to_lowercase().contains(&fold));
+    let has_all_words = |title: &str| fold.split_whitespace().all(|word| title.contains(word));
+    let by_words = fitting(&|node| has_all_words(&node.title.to_lowercase()));
     let meant = [by_id, by_title, by_words].into_iter().find(|nodes| !nodes.is_empty()).unwrap_or_default();
     match meant.as_slice() {
         [one] => Ok(Some(*one)),

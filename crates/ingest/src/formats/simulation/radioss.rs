@@ -29,8 +29,8 @@ pub const GLOBALS: [&str; 15] = [
     "damping_contact_energy",
 ];
 /// Names of variables by their codes from 1: nodes; interfaces and walls.
-const OF_NODE: [&str; 9] = ["DX", "DY", "DZ", "VX", "VY", "VZ", "AX", "AY", "AZ"];
-const OF_WALL: [&str; 6] = ["FNX", "FNY", "FNZ", "FTX", "FTY", "FTZ"];
+pub const OF_NODE: [&str; 9] = ["DX", "DY", "DZ", "VX", "VY", "VZ", "AX", "AY", "AZ"];
+pub const OF_WALL: [&str; 6] = ["FNX", "FNY", "FNZ", "FTX", "FTY", "FTZ"];
 
 /// Whether a file starts with the record of a code and a title.
 pub fn recognises(head: &[u8]) -> bool {

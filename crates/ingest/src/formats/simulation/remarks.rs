@@ -125,4 +125,30 @@ remarks! {
     means "The columns are left out: an impulse is never taken for a force."
     remedy "give the T01 file itself with its T01_TITLES"
     says format!("force or impulse, which cannot be told, for {walls}: left out");
+
+    /// The run blew up.
+    CR183 BlownUp { of: String, from: f64 }
+    bears on (About::Record, Weight::Marked)
+    decided "The last state holds no number, but NaN, Infinity or fields of stars. The record ends in front of the \
+             first of them."
+    means "The solver lost the solution: a run that blew up is no result, also before that time."
+    remedy "look at the messages of the solver"
+    says format!("{of} has no numbers from {from} on, in the units of the file: the run blew up");
+
+    /// Columns hold what is no number.
+    CR184 NotNumbers { of: String, columns: String }
+    bears on (About::Record, Weight::Slight)
+    decided "NaN, Infinity and fields of stars are no numbers. Columns that hold one are left out."
+    means "The other columns are as the solver wrote them."
+    remedy "give binout: in a text a field of stars is too narrow for its number"
+    says format!("{columns} of {of} hold what is no number: left out");
+
+    /// Columns without names were taken by their place.
+    CR185 NamedByPlace { first: usize, last: usize }
+    bears on (About::Record, Weight::Slight)
+    decided "th_to_csv had no T01_TITLES. An element with nine columns is taken for a node, one with six for a wall or \
+             an interface, in the order of their codes. Displacements are the integrals of the velocities."
+    means "A table of other variables would be read wrongly if it had the same numbers of them."
+    remedy "give the T01 file itself with its T01_TITLES"
+    says format!("columns {first} to {last} have no names: taken by their order, which their values bear out");
 }

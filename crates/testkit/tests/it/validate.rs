@@ -1,0 +1,127 @@
+//! `crumple compare TEST SIM --validate` on records of which the truth is known: a set of the testkit, and those of the
+//! reference where they are here.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use crumple_testkit::programs::binary;
+use crumple_testkit::{shared, simulated};
+use serde_json::Value;
+
+fn crumple(folder: &Path, words: &[&str]) -> Output {
+    Command::new(binary("crumple")).args(words).current_dir(folder).output().unwrap()
+}
+
+fn said(output: &Output) -> String {
+    let text = [&output.stdout, &output.stderr].map(|bytes| String::from_utf8_lossy(bytes).into_owned());
+    // Lines are wrapped.
+    text.concat().replace(['\u{a0}', '\n'], " ").split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn json(folder: &Path) -> Value {
+    let mut value: Value = serde_json::from_str(&fs::read_to_string(folder.join("v.json")).unwrap()).unwrap();
+    value["simulations"][0].take()
+}
+
+/// The ratios of the segments of a force.
+fn ratios(validation: &Value, force: &str) -> Vec<f64> {
+    let segments = validation["segments"][force].as_array().unwrap();
+    segments.iter().map(|segment| segment["ratio"].as_f64().unwrap_or(f64::NAN)).collect()
+}
+
+#[track_caller]
+fn near(value: f64, expected: f64, tolerance: f64) {
+    assert!((value - expected).abs() <= tolerance, "{value} is not {expected} within {tolerance}");
+}
+
+#[test]
+fn records_with_flags_are_run_and_the_faulty_part_of_the_curve_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let set = simulated::faulty_simulation().unwrap();
+    fs::write(folder.path().join("crash.csv"), &set.test).unwrap();
+    fs::create_dir(folder.path().join("H1")).unwrap();
+    fs::write(folder.path().join("H1/binout0000"), &set.binout).unwrap();
+    let flags = ["--units", "mm-ms-kg", "--node", "rear sill"];
+    let words = ["compare", "crash.csv", "H1", "--validate", "--json=v.json", "--markdown", "v.md"];
+    let required = ["--require", "crush<=20mm"];
+    let output = crumple(folder.path(), &[&words[..], &flags, &required].concat());
+    let text = said(&output);
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert!(text.contains("required crush<=20mm"), "{text}");
+    let found = json(folder.path());
+    let difference = found["differences"].as_array().unwrap().iter().find(|d| d["name"] == "dynamic_crush").unwrap();
+    // A millimetre: sampling and the filter of the test.
+    near(difference["difference"].as_f64().unwrap(), set.crush_m[1] - set.crush_m[0], 1e-3);
+    let [sentence, place, _] = [0, 1, 2].map(|k| found["sentences"][k].as_str().unwrap().replace('\u{a0}', " "));
+    assert!(sentence.starts_with("The simulation is softer than the test"), "{sentence}");
+    assert!(place.contains("Its front is too soft from 300 to "), "{place}");
+    for (k, ratio) in ratios(&found, "wall").into_iter().enumerate() {
+        // The curve goes from 1 to 0.75 between 280 and 320 mm.
+        near(ratio, if k < 3 { 1.0 } else { 0.75 }, if k == 2 || k == 3 { 0.03 } else { 0.01 });
+    }
+    // What was typed stands in the Markdown, and does the same again.
+    let markdown = fs::read_to_string(folder.path().join("v.md")).unwrap();
+    let typed = "crumple compare crash.csv H1 --validate --json=v.json --markdown v.md --units mm-ms-kg --node 'rear \
+                 sill' --require 'crush<=20mm'";
+    assert!(markdown.contains(typed), "{markdown}");
+    // A flag of records where none is, and a record that is refused.
+    let runs = ["compare", "runs/crash/default", "runs/H1/default", "--validate", "--node", "7"];
+    let output = crumple(folder.path(), &runs);
+    assert!(output.status.code() == Some(2) && said(&output).contains("--node is a flag of a record"), "{output:?}");
+    let output = crumple(folder.path(), &["compare", "crash.csv", "H1", "--validate", "--node", "5"]);
+    assert!(output.status.code() == Some(3) && said(&output).contains("--units mm-ms-kg"), "{}", said(&output));
+    let output =
+        crumple(folder.path(), &["compare", "runs/crash/default", "crash.csv", "runs/H1/default", "--validate"]);
+    let text = said(&output);
+    assert!(output.status.code() == Some(0) && text.matches("softer than the test").count() == 2, "{text}");
+    assert!(text.contains("against"), "{text}");
+}
+
+/// The test of a set with its wall and engine, as one table.
+fn test_of(set: &Path) -> String {
+    let [felt, more] = ["test.csv", "test-wall-and-engine.csv"].map(|name| fs::read_to_string(set.join(name)).unwrap());
+    let row = |(a, b): (&str, &str)| format!("{a},{}\n", b.split_once(',').unwrap().1);
+    felt.lines().zip(more.lines()).map(row).collect()
+}
+
+#[test]
+fn the_sets_of_the_reference_come_out() {
+    let Some(sets) = shared("reference/simulation") else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let cases: [(&str, &str, &[&str], f64, i32, &str); 3] = [
+        ("s1-same-car", "", &["--units", "mm-ms-kg"], 0.0, 0, "No segment of 100 mm differs by more than 5 %"),
+        (
+            "s2-middle-of-the-front-too-stiff",
+            "",
+            &["--units", "mm-s-t"],
+            -0.0625,
+            1,
+            "Its front is too stiff from 100 to 500 mm",
+        ),
+        (
+            "s3-openradioss-engine-mount-too-soft",
+            "/CART01",
+            &[],
+            0.0642,
+            1,
+            "It is too soft between engine and compartment, not in the front",
+        ),
+    ];
+    for (set, file, flags, crush_m, code, place) in cases {
+        fs::write(folder.path().join("test.csv"), test_of(&sets.join(set))).unwrap();
+        let simulation = format!("{}{file}", sets.join(set).display());
+        let of_test = ["--mass", "1500kg", "--impact-speed", "15.65m/s", "--time-zero", "0s"];
+        let words = ["compare", "test.csv", &simulation, "--validate", "--json=v.json", "--require", "crush<=20mm"];
+        let pulse = ["--node", "1000001", "--channel", "acceleration"];
+        let output = crumple(folder.path(), &[&words[..], &of_test, &pulse, flags].concat());
+        assert_eq!(output.status.code(), Some(code), "{set}: {}", said(&output));
+        let found = json(folder.path());
+        let difference =
+            found["differences"].as_array().unwrap().iter().find(|d| d["name"] == "dynamic_crush").unwrap();
+        let [low, high] = ["low", "high"].map(|end| difference[end].as_f64().unwrap());
+        assert!((low..=high).contains(&crush_m), "{set}: {difference}");
+        let second = found["sentences"][1].as_str().unwrap().replace('\u{a0}', " ");
+        assert!(second.contains(place), "{set}: {second}");
+    }
+}
