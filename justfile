@@ -293,6 +293,26 @@ prediction-benchmark *args: build
 truth *args: build
     @cargo run --quiet --release --package crumple-testkit -- truth --bin "$bin" "$@"
 
+# Ranks of the truth in the posteriors behind intervals, 50 made records a family and condition, into docs/calibration.md (an hour; `--print FAMILY ...`: the table of some).
+[group('development')]
+calibration *args: build
+    @cargo run --quiet --release --package crumple-testkit -- calibration --bin "$bin" "$@"
+
+# Published figures beside what the programs give: writes docs/atlas.md and ci/atlas.json, fails where a hit is lost. Needs CRUMPLE_SHARED.
+[group('development')]
+atlas: build
+    @cargo run --quiet --release --package crumple-testkit -- atlas --bin "$bin"
+
+# The same records through public packages, into docs/peers.md: needs Python 3.11, a package index and CRUMPLE_SHARED.
+[group('development')]
+peers: build
+    @[ -x target/peers/bin/python ] || python3 -m venv target/peers
+    @target/peers/bin/pip install --quiet --disable-pip-version-check --only-binary :all: pyisomme==1.1.0 crashmetrics==0.6.0 \
+        endaq==1.5.3 aeroid==0.5.0 objective-rating-metrics==1.3 npTDMS==1.13.0 numpy==1.26.4 scipy==1.12.0 pandas==2.2.3
+    @rm -rf target/peers/cars
+    @cargo run --quiet --release --package crumple-testkit -- make-cars target/peers/cars 40
+    @target/peers/bin/python scripts/peers.py "$bin/crumple" target/peers/cars "${CRUMPLE_SHARED:-../shared}" docs/peers.md
+
 # What a fleet costs, on an idle machine: wall times as the fleet says them, then CPU time of all children so far, and disk: `just fleet-benchmark [RECORDS]`.
 [group('development')]
 fleet-benchmark $records="2000" $folder="target/fleet-benchmark": build
@@ -367,7 +387,9 @@ ci-full:
     CRUMPLE_SLURM_FOR="a fleet on Slurm" scripts/local-slurm.sh \
         cargo nextest run --workspace -E 'test(a_fleet_outlives_a_node_that_dies)' --run-ignored all
     just papers
+    [ -z "${CRUMPLE_SHARED-}" ] || just atlas
     just truth
+    just calibration --print --records 30 kelvin elastoplastic maxwell
     just book
     just windows
     just page

@@ -8,10 +8,10 @@ use std::path::Path;
 
 use crumple_artifact::records::EventsV1;
 use crumple_numerics::estimation::random::RandomNumbers;
-use crumple_signal::STANDARD_GRAVITY_M_PER_S2 as G;
+use crumple_signal::{HALF_OF_90_PERCENT, STANDARD_GRAVITY_M_PER_S2 as G};
 use rayon::prelude::*;
 
-use crate::interval_cover::CoverError;
+use crate::interval_cover::{CoverError, rank};
 use crate::programs::{StepError, Steps, records};
 
 const DT_S: f64 = 1e-4;
@@ -187,6 +187,8 @@ pub struct Held {
     held: [(usize, usize); 3],
     /// Widths of the intervals of crush, m.
     widths_m: Vec<f64>,
+    /// The ranks of the three truths in their posteriors.
+    pub(crate) ranks: [Vec<f64>; 3],
 }
 
 /// The counts of a kind over the records of these numbers; the same for any number of threads. Errors: a program that
@@ -212,10 +214,17 @@ pub fn cover_of(
             ("time_of_dynamic_crush_s", time_s),
             ("delta_v_m_per_s", made.delta_v_m_per_s),
         ];
-        for ((name, value), counts) in truth.iter().zip(&mut held.held) {
+        let stated = events
+            .as_ref()
+            .map(|events| [events.dynamic_crush_m, events.time_of_dynamic_crush_s, events.delta_v_m_per_s]);
+        for (place, (name, value)) in truth.iter().enumerate() {
+            let counts = &mut held.held[place];
             let intervals = events.iter().flat_map(|events| &events.intervals);
             let Some(interval) = intervals.into_iter().find(|interval| interval.name == *name) else { continue };
             *counts = (1, usize::from(interval.low <= *value && *value <= interval.high));
+            let stated = stated.and_then(|stated| stated[place]).filter(|_| value.is_finite());
+            let rank = stated.map(|stated| rank(*value, stated, (interval.low, interval.high), HALF_OF_90_PERCENT));
+            held.ranks[place].extend(rank);
             held.widths_m.extend((*name == "dynamic_crush_m").then_some(interval.high - interval.low));
         }
         if misses && (events.is_none() || held.held.iter().any(|(all, inside)| all > inside)) {
@@ -233,6 +242,7 @@ pub fn cover_of(
         for (sum, one) in sum.held.iter_mut().zip(one.held) {
             *sum = (sum.0 + one.0, sum.1 + one.1);
         }
+        sum.ranks.iter_mut().zip(one.ranks).for_each(|(sum, one)| sum.extend(one));
         sum.widths_m.extend(one.widths_m);
         sum
     }))

@@ -1,8 +1,10 @@
 //! Helpers for the workspace's tests, and the fixture generator. A dev-dependency only.
 
+pub mod atlas;
 pub mod benchmark;
 pub mod browser;
 pub mod bytes;
+pub mod calibration;
 pub mod contact_cover;
 pub mod fuzz;
 pub mod identification_cover;
@@ -20,7 +22,7 @@ pub mod truth;
 pub use places::{shared, workspace};
 pub use random::{uniform, white_noise};
 pub use records::{
-    IMPACT_SPEED_M_PER_S, KnownTruth, TwoVehicles, fixture, identification, integrated, kinds, known_truth,
-    known_truths, known_truths_in, other_records, reference_signals, simulated, table_5, write_filtered,
-    write_known_truth,
+    Errors, IMPACT_SPEED_M_PER_S, KnownTruth, TwoVehicles, fixture, identification, integrated, kinds, known_truth,
+    known_truths, known_truths_in, other_records, reference_signals, simulated, table_5, write_camry_with_load_cells,
+    write_filtered, write_known_truth,
 };

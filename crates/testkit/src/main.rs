@@ -4,18 +4,20 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
+use crumple_testkit::atlas::{self, Atlas, Found};
 use crumple_testkit::benchmark as performance;
 use crumple_testkit::bytes::{Difference, compare, write_digests};
+use crumple_testkit::calibration::{self, Ranks};
 use crumple_testkit::contact_cover;
 use crumple_testkit::fixture::fixtures;
 use crumple_testkit::fuzz::{Campaign, Tally, run_campaign, run_simulations};
 use crumple_testkit::identification_cover::{self, AMBIENT, right_clusters};
 use crumple_testkit::instructions::{self, Counts};
-use crumple_testkit::interval_cover::{Choices, Cover, DRAWN, FAMILIES, choices_of, cover_of};
+use crumple_testkit::interval_cover::{Choices, Cover, DRAWN, FAMILIES, choices_of, cover_of, write_cars};
 use crumple_testkit::made_fleet::write_fleet;
 use crumple_testkit::prediction_error::{KINDS, outcomes, tables};
 use crumple_testkit::truth::{self, Explained, Extent, Net, RunCase, cases};
-use crumple_testkit::{simulated, workspace};
+use crumple_testkit::{Errors, simulated, workspace};
 
 /// The made fleet is the same every time.
 const SEED: u64 = 17;
@@ -24,8 +26,30 @@ const SEED: u64 = 17;
 #[derive(Debug, Parser)]
 #[command(about = "Holds the programs against what is known, makes fixtures and fleets")]
 enum Command {
+    /// Published figures beside what the programs give, into docs/atlas.md and ci/atlas.json; exit 1 where a hit is
+    /// lost
+    Atlas {
+        #[command(flatten)]
+        programs: Programs,
+    },
     /// Digests of everything that the programs write, or what differs between two lists of them
     Bytes(Bytes),
+    /// Ranks of the truth in the posteriors behind intervals, into docs/calibration.md
+    ///
+    /// Exit 1 where of a model of one mass without a ring surely fewer than 95 % of the truths lie in the middle 95 %.
+    Calibration {
+        #[command(flatten)]
+        programs: Programs,
+        /// Records a family and condition
+        #[arg(long, default_value_t = 50)]
+        records: usize,
+        /// Print the table and leave the page
+        #[arg(long)]
+        print: bool,
+        /// Parts of names of families and kinds; the page needs all
+        #[arg(requires = "print")]
+        family: Vec<String>,
+    },
     /// Mutated files and tampered artifacts, each read by the program that it is meant for, and for every ten of them a
     /// plausible record through the whole chain; the files stay in FOLDER
     Fuzz {
@@ -78,6 +102,14 @@ enum Command {
         kernels: Option<PathBuf>,
         /// Words of names of records; with them the page stays as it is
         record: Vec<String>,
+    },
+    /// Writes records of cars of a model with known parameters, and those parameters
+    MakeCars {
+        folder: PathBuf,
+        records: usize,
+        /// The model
+        #[arg(long, default_value = "kelvin")]
+        family: String,
     },
     /// Writes the fixtures
     MakeFixtures {
@@ -228,6 +260,7 @@ fn main() -> ExitCode {
 /// Whether all is as it should be.
 fn run(command: Command) -> Result<bool, Failure> {
     match command {
+        Command::Atlas { programs } => write_atlas(&programs.bin),
         Command::Bytes(asked) if asked.compare.is_empty() => {
             let digests = write_digests(&asked.programs.bin, &asked.out.with_extension("cases"))?;
             std::fs::write(&asked.out, &digests)?;
@@ -235,6 +268,7 @@ fn run(command: Command) -> Result<bool, Failure> {
             Ok(true)
         }
         Command::Bytes(asked) => report_differences(&asked),
+        Command::Calibration { programs, records, print, family } => calibrate(&programs.bin, records, print, &family),
         Command::Fuzz { programs, folder, files, first, simulations } => {
             let campaign = Campaign { bin: programs.bin, folder, first, files };
             if simulations {
@@ -254,6 +288,10 @@ fn run(command: Command) -> Result<bool, Failure> {
         Command::MakeBinout { file, nodes, states } => {
             let mut out = std::io::BufWriter::new(std::fs::File::create(&file)?);
             simulated::write_large_binout(&mut out, nodes, states)?;
+            Ok(true)
+        }
+        Command::MakeCars { folder, records, family } => {
+            write_cars(&folder, &family, records)?;
             Ok(true)
         }
         Command::MakeFixtures { folder } => {
@@ -286,6 +324,44 @@ fn run(command: Command) -> Result<bool, Failure> {
             hold_against_truth(&programs.bin, if short { Extent::Short } else { Extent::Long(cars) }, &name)
         }
     }
+}
+
+/// Writes the atlas; whether every earlier hit is one still.
+fn write_atlas(bin: &Path) -> Result<bool, Failure> {
+    let (path, folder, atlas) = (workspace().join("ci/atlas.json"), own_folder("atlas"), Atlas::read()?);
+    let before: Vec<Found> = match std::fs::read(&path) {
+        Ok(bytes) => serde_json::from_slice(&bytes)?,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Vec::new(),
+        Err(error) => return Err(format!("{}: {error}", path.display()).into()),
+    };
+    let found = atlas::found(&atlas, bin, &folder).map_err(|error| error.to_string())?;
+    std::fs::remove_dir_all(&folder)?;
+    std::fs::write(&path, serde_json::to_string_pretty(&found)? + "\n")?;
+    std::fs::write(workspace().join("docs/atlas.md"), atlas::page(&atlas, &found))?;
+    let lost = atlas::lost(&before, &found);
+    lost.iter().for_each(|one| println!("no hit any more: {} of {}", one.figure, one.of));
+    Ok(lost.is_empty())
+}
+
+/// Whether the posteriors of models of one mass hold without a ring: they are those that a run recommends.
+fn calibrate(bin: &Path, records: usize, print: bool, wanted: &[String]) -> Result<bool, Failure> {
+    let (folder, pipeline) = (own_folder("calibration"), workspace().join("pipelines/default.toml"));
+    let all = calibration::ranks_of(&|name| is_asked(wanted, name), &(0..records), (bin, &pipeline), &folder)?;
+    std::fs::remove_dir_all(&folder)?;
+    let page = calibration::page(&all, records);
+    if print {
+        println!("{page}");
+    } else {
+        std::fs::write(workspace().join("docs/calibration.md"), page)?;
+        std::fs::write(workspace().join("docs/images/calibration.svg"), calibration::drawing(&all))?;
+    }
+    let is_simple = |ranks: &&Ranks| {
+        let of_one_mass = ["kelvin", "elastoplastic", "maxwell"].iter().any(|name| ranks.of.starts_with(name));
+        of_one_mass && !ranks.condition.contains("ring")
+    };
+    let misleading: Vec<&Ranks> = all.iter().filter(is_simple).filter(|ranks| ranks.misleads()).collect();
+    misleading.iter().for_each(|one| println!("misleads: {} of {} ({})", one.number, one.of, one.condition));
+    Ok(misleading.is_empty())
 }
 
 fn write_performance(bin: &Path, figures: &Path) -> Result<bool, Failure> {
@@ -380,6 +456,7 @@ fn interval_benchmark(asked: &IntervalBenchmark) -> Result<bool, Failure> {
         return Err(format!("no family has {} in its name; there are: {}", wanted.join(", "), names.join("; ")).into());
     }
     let pipeline = workspace().join("pipelines/default.toml");
+    let errors = if *clean { Errors::Few } else { Errors::Laboratory };
     if *contact {
         println!("{}", contact_cover::HEAD);
         for kind in contact_cover::KINDS.iter().filter(|kind| is_asked(wanted, kind.name)) {
@@ -389,12 +466,12 @@ fn interval_benchmark(asked: &IntervalBenchmark) -> Result<bool, Failure> {
     } else if *choice {
         println!("{}", Choices::HEAD);
         for drawn in DRAWN.iter().filter(|drawn| is_asked(wanted, drawn.name)) {
-            print!("{}", choices_of(drawn, records.clone(), *clean, (bin, &pipeline), &folder)?.row(drawn.name));
+            print!("{}", choices_of(drawn, records.clone(), errors, (bin, &pipeline), &folder)?.row(drawn.name));
         }
     } else {
         println!("{}", Cover::HEAD);
         for family in FAMILIES.iter().filter(|family| is_asked(wanted, family.name)) {
-            let cover = cover_of(family, records.clone(), *clean, (bin, &folder))?;
+            let cover = cover_of(family, records.clone(), errors, (bin, &folder))?;
             print!("{}", cover.rows(family.name));
             cover.misses.iter().filter(|_| *misses).for_each(|miss| eprintln!("{miss}"));
         }

@@ -35,7 +35,8 @@ pub enum IntervalBy {
     Channels(usize),
     /// 5 % and 95 % quantile of so many repetitions with perturbed inputs.
     Replicates(usize),
-    /// Half of the step in which a recorder keeps a value, or of its sampling interval.
+    /// Half of the step in which a recorder keeps a value, with the deviation of the instrument, or half of its
+    /// sampling interval.
     Resolution,
     /// What restitutions from 0 to the largest believed make of a change of velocity.
     Restitution,
@@ -48,7 +49,7 @@ impl fmt::Display for IntervalBy {
             Self::Channels(n) => write!(f, "range over {n} channels"),
             Self::Replicates(n) => write!(f, "5-95 % of {n} replicates"),
             Self::Restitution => f.write_str("restitution from 0 to the largest that is believed"),
-            Self::Resolution => f.write_str("resolution of the recorder: half of its step to either side"),
+            Self::Resolution => f.write_str("resolution of the recorder: half of its step and an instrument of 1.9 %"),
         }
     }
 }

@@ -8,11 +8,13 @@ use std::path::Path;
 use crumple_artifact::records::{CandidateV1, Certainty};
 use crumple_lumped::{LumpedError, Model};
 use crumple_numerics::estimation::random::RandomNumbers;
+use crumple_numerics::estimation::statistics::normal_distribution;
 use rayon::prelude::*;
 use serde_json::Value;
 
 use crate::interval_cover::{Car, Draw, Family, record};
 use crate::programs::{StepError, Steps, records};
+use crate::records::Errors;
 
 /// Interval, s, and number of the instants at which motions are compared: up to 100 ms.
 const INTERVAL_S: f64 = 1e-3;
@@ -35,17 +37,16 @@ pub enum CoverError {
 /// The cover of a family's intervals over the cars of these numbers.
 ///
 /// Cars run beside each other; a car and its noise follow from its number and the family alone, so the counts are the
-/// same for any number of threads. `clean`: trigger and stated speed without error, a filter without phase. Errors: a
-/// program that is missing or fails.
+/// same for any number of threads. Errors: a program that is missing or fails.
 pub fn cover_of(
     family: &Family,
     records: Range<usize>,
-    clean: bool,
+    errors: Errors,
     (bin, folder): (&Path, &Path),
 ) -> Result<Cover, CoverError> {
     let trials = records.into_par_iter().map(|number| {
         let folder = folder.join(number.to_string());
-        trial(family, number, clean, &Steps { bin, folder: &folder, pipeline: None })
+        trial(family, number, errors, &Steps { bin, folder: &folder, pipeline: None })
     });
     let covers: Vec<Cover> = trials.collect::<Result<_, _>>()?;
     Ok(covers.iter().fold(Cover::default(), |mut total, one| {
@@ -55,8 +56,8 @@ pub fn cover_of(
 }
 
 /// Draws a car, records its test, solves for its parameters and counts their intervals.
-fn trial(family: &Family, number: usize, clean: bool, programs: &Steps<'_>) -> Result<Cover, CoverError> {
-    let car = measured((family.name, family.draw, number), clean, programs)?;
+fn trial(family: &Family, number: usize, errors: Errors, programs: &Steps<'_>) -> Result<Cover, CoverError> {
+    let car = measured((family.name, family.draw, number), errors, programs)?;
     let mut arguments = vec!["2.mcap", "3.mcap", "--json", "-o", "5.mcap"];
     arguments.extend(family.flags);
     let printed = programs.run("parameter-solve", &arguments)?;
@@ -68,12 +69,12 @@ fn trial(family: &Family, number: usize, clean: bool, programs: &Steps<'_>) -> R
 /// input's uncertainty is propagated, so that the intervals are those of the fits.
 pub(crate) fn measured(
     (name, draw, number): (&str, Draw, usize),
-    clean: bool,
+    errors: Errors,
     programs: &Steps<'_>,
 ) -> Result<Car, CoverError> {
     let mut random = RandomNumbers::seeded(blend(name, number));
     let car = draw.car(&mut random)?;
-    programs.write("crash.csv", &record(&car, clean, &mut random)?)?;
+    programs.write("crash.csv", &record(&car, errors, &mut random)?)?;
     programs.run("ingest", &["crash.csv", "--time-zero", "0s", "--channel", "accel", "-o", "1.mcap"])?;
     programs.run("filter", &["1.mcap", "-o", "2.mcap"])?;
     let channels = if car.engine { "all,engine" } else { "all" };
@@ -115,10 +116,29 @@ pub(crate) fn count(id: &str, number: usize, car: &Car, printed: &str) -> Result
         if let Some(truth) = truth.get(name) {
             let is_determined = nearest.certainty(name) == Some(Certainty::Determined);
             let high = known.interval_high.get(name).copied().flatten();
+            let value = nearest.parameters.get(name).copied();
             cover.count(number, (name, *truth, is_determined), (low, high));
+            let rank = value.zip(low.zip(high)).map(|(value, ends)| rank(*truth, value, ends, HALF_OF_95_PERCENT));
+            cover.parameters.entry(name.clone()).or_default().ranks.extend(rank);
         }
     }
     Ok(cover)
+}
+
+/// Half width, in deviations, of an interval of 95 % of a normal distribution.
+const HALF_OF_95_PERCENT: f64 = 1.959_963_984_540_054;
+
+/// Share of the posterior below the truth: uniform from 0 to 1 over many records if the posterior is right.
+///
+/// The posterior is the one that has the value as its median and the interval of `half_width` deviations: to each side
+/// log-normal, where the interval is positive, else normal.
+pub(crate) fn rank(truth: f64, value: f64, (low, high): (f64, f64), half_width: f64) -> f64 {
+    let scale = |x: f64| if low > 0.0 && truth > 0.0 && value > 0.0 { x.ln() } else { x };
+    let end = if truth > value { high } else { low };
+    let (far, width) = (scale(truth) - scale(value), (scale(end) - scale(value)).abs());
+    // An end at the value itself: nothing of the posterior is beyond it.
+    let deviations = if width > 0.0 { half_width * far / width } else { far.signum() * f64::INFINITY };
+    if far == 0.0 { 0.5 } else { normal_distribution(deviations) }
 }
 
 /// Closed intervals of one kind.
@@ -139,6 +159,8 @@ pub struct Counts {
     pub not_determined: Closed,
     /// Intervals that are open on a side.
     pub open: usize,
+    /// [`rank`] of the truth by closed interval.
+    pub ranks: Vec<f64>,
 }
 
 impl Closed {
@@ -197,6 +219,7 @@ impl Cover {
             counts.determined.add(&more.determined);
             counts.not_determined.add(&more.not_determined);
             counts.open += more.open;
+            counts.ranks.extend(&more.ranks);
         }
         self.misses.extend(other.misses.iter().cloned());
     }
@@ -343,19 +366,18 @@ pub struct Choices {
 
 /// The choices over the cars of these numbers, by the programs in `bin` with a pipeline.
 ///
-/// A car and its noise follow from its number and model alone. `clean`: trigger and stated speed without error, a
-/// filter without phase. Errors: a program that is missing or fails.
+/// A car and its noise follow from its number and model alone. Errors: a program that is missing or fails.
 pub fn choices_of(
     drawn: &Drawn,
     numbers: Range<usize>,
-    clean: bool,
+    errors: Errors,
     (bin, pipeline): (&Path, &Path),
     folder: &Path,
 ) -> Result<Choices, CoverError> {
     let recommendations = numbers.into_par_iter().map(|number| -> Result<(Value, Cover), CoverError> {
         let folder = folder.join(number.to_string());
         let programs = Steps { bin, folder: &folder, pipeline: None };
-        let car = measured((drawn.name, drawn.draw, number), clean, &programs)?;
+        let car = measured((drawn.name, drawn.draw, number), errors, &programs)?;
         let programs = Steps { pipeline: Some(pipeline), ..programs };
         programs.run("identify", &["2.mcap", "3.mcap", "-o", "4.mcap"])?;
         let mut arguments = vec!["2.mcap", "3.mcap", "4.mcap", "--json", "-o", "5.mcap"];
@@ -451,6 +473,19 @@ impl Choices {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_truth_at_an_end_of_a_95_percent_interval_has_the_ranks_2_5_and_97_5_percent() {
+        let of = |truth: f64| rank(truth, 2.0, (1.0, 8.0), HALF_OF_95_PERCENT);
+        for (truth, wanted) in [(1.0, 0.025), (2.0, 0.5), (8.0, 0.975)] {
+            assert!((of(truth) - wanted).abs() < 1e-6, "{truth}: {}", of(truth));
+        }
+        // One deviation of a log-normal side.
+        assert!((of(2.0 * 4.0_f64.powf(1.0 / HALF_OF_95_PERCENT)) - normal_distribution(1.0)).abs() < 1e-9);
+        // An interval that reaches zero is normal; one that ends at the value has nothing beyond.
+        assert!((rank(1.0, 2.0, (0.0, 4.0), HALF_OF_95_PERCENT) - normal_distribution(-0.979_982)).abs() < 1e-6);
+        assert_eq!(rank(3.0, 2.0, (1.0, 2.0), HALF_OF_95_PERCENT), 1.0);
+    }
 
     #[test]
     fn closed_intervals_are_counted_apart_from_open_ones() {

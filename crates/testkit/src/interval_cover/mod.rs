@@ -1,15 +1,18 @@
 //! Cars of known parameters, recorded as a laboratory does, through the programs: how often the intervals of fitted
 //! parameters hold the truth, and how often the true model is chosen.
 
+use std::path::Path;
+
 use crumple_lumped::{
     CrushedStructure, DoubleSpringMassDamper, Elastoplastic, Kelvin, LumpedError, Maxwell, Model, Nonlinear1,
     Nonlinear2, TripleSpringMassDamper,
 };
 use crumple_numerics::estimation::random::RandomNumbers;
 
-use crate::records::{FINE_S, Measurement};
+use crate::records::{Errors, FINE_S, Measurement, Ring};
 
-pub use crate::interval_cover::cover::{Choices, Cover, CoverError, DRAWN, Drawn, Miss, choices_of, cover_of};
+pub(crate) use crate::interval_cover::cover::rank;
+pub use crate::interval_cover::cover::{Choices, Counts, Cover, CoverError, DRAWN, Drawn, Miss, choices_of, cover_of};
 
 mod cover;
 
@@ -28,9 +31,29 @@ pub(crate) struct MadeByFamily {
 pub(crate) fn made(drawn: &Drawn, number: usize) -> Result<MadeByFamily, LumpedError> {
     let mut random = RandomNumbers::of_stream(drawn.name.len() as u64, number);
     let car = drawn.draw.car(&mut random)?;
-    let csv = record(&car, false, &mut random)?;
+    let csv = record(&car, Errors::Laboratory, &mut random)?;
     let Car { model, mass_kg, impact_speed_m_per_s, engine, .. } = car;
     Ok(MadeByFamily { model, mass_kg, impact_speed_m_per_s, engine, csv })
+}
+
+/// Writes so many cars of a model as `NUMBER.csv` with the truth beside it, `NUMBER.json`: parameters of the model,
+/// its crush and rebound, and the impact speed, in SI units. Errors: no such model, a file that cannot be written.
+pub fn write_cars(folder: &Path, name: &str, count: usize) -> Result<(), Box<dyn std::error::Error>> {
+    let drawn = DRAWN.iter().find(|drawn| drawn.name == name).ok_or(format!("no family {name}"))?;
+    std::fs::create_dir_all(folder)?;
+    for number in 0..count {
+        let car = made(drawn, number)?;
+        let events = car.model.events(car.impact_speed_m_per_s)?;
+        let truth = serde_json::json!({
+            "parameters": car.model.parameters(),
+            "dynamic_crush_m": events.dynamic_crush_m,
+            "rebound_velocity_m_per_s": events.rebound_velocity_m_per_s,
+            "impact_speed_m_per_s": car.impact_speed_m_per_s,
+        });
+        std::fs::write(folder.join(format!("{number}.csv")), car.csv)?;
+        std::fs::write(folder.join(format!("{number}.json")), format!("{truth:#}\n"))?;
+    }
+    Ok(())
 }
 
 /// What is drawn.
@@ -291,12 +314,16 @@ pub const FAMILIES: &[Family] = &[
 const SAMPLES: usize = 15_501;
 
 /// The record as CSV: columns `accel` and, where the car has that sensor, `engine`. Errors: those of the model.
-pub(crate) fn record(car: &Car, clean: bool, random: &mut RandomNumbers) -> Result<String, LumpedError> {
-    let measurement = Measurement::drawn(random, clean);
+pub(crate) fn record(car: &Car, errors: Errors, random: &mut RandomNumbers) -> Result<String, LumpedError> {
+    let measurement = Measurement::drawn(random, errors == Errors::Few);
     let speed_m_per_s = car.impact_speed_m_per_s + measurement.speed_error_m_per_s;
     let response = car.model.respond(speed_m_per_s, FINE_S, SAMPLES)?;
-    let mut sensors = vec![("accel", response.compartment().acceleration_m_per_s2.as_slice())];
-    sensors.extend(car.engine.then(|| ("engine", response.motions[0].acceleration_m_per_s2.as_slice())));
+    let mut motions = vec![("accel", response.compartment().acceleration_m_per_s2.clone())];
+    motions.extend(car.engine.then(|| ("engine", response.motions[0].acceleration_m_per_s2.clone())));
+    if errors == Errors::Ringing {
+        motions.iter_mut().for_each(|(_, motion)| *motion = Ring::drawn(random).added_to(motion));
+    }
+    let sensors: Vec<(&str, &[f64])> = motions.iter().map(|(name, motion)| (*name, motion.as_slice())).collect();
     let head = format!(
         "# title: made for a trial of intervals\n# mass: {} kg\n# impact speed: {} km/h\n",
         car.mass_kg,

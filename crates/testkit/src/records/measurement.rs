@@ -23,6 +23,45 @@ const RANGE: f64 = 2.0;
 /// The end of a motion that is not recorded: there the filter without phase has no wave to look ahead at, s.
 const END_S: f64 = 0.005;
 
+/// What errs in a made test.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Errors {
+    /// Noise, zero level and steps of the digitiser alone: trigger and stated speed are right, the filter has no phase.
+    Few,
+    /// Trigger, stated speed and the delay of a filter too.
+    Laboratory,
+    /// The same, and the mount of every sensor rings.
+    Ringing,
+}
+
+/// A mount that rings from contact on: it adds a decaying sine to what its sensor measures.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Ring {
+    frequency_hz: f64,
+    /// Over the peak of the pulse.
+    share: f64,
+    decay_s: f64,
+}
+
+impl Ring {
+    /// 60 to 250 Hz, 5 to 15 % of the peak, down to 1/e after 10 to 30 ms: what stands in a compartment's pulse behind
+    /// CFC 60 and after it.
+    pub fn drawn(random: &mut RandomNumbers) -> Self {
+        let mut between = |low: f64, high: f64| low + (high - low) * random.uniform();
+        Self { frequency_hz: between(60.0, 250.0), share: between(0.05, 0.15), decay_s: between(0.01, 0.03) }
+    }
+
+    /// The motion with the ring, from contact on in steps of [`FINE_S`].
+    pub fn added_to(&self, acceleration: &[f64]) -> Vec<f64> {
+        let peak = acceleration.iter().fold(0.0_f64, |peak, a| peak.max(a.abs()));
+        let ring = |k: usize| {
+            let time_s = k as f64 * FINE_S;
+            self.share * peak * (-time_s / self.decay_s).exp() * (2.0 * PI * self.frequency_hz * time_s).sin()
+        };
+        acceleration.iter().enumerate().map(|(k, a)| a + ring(k)).collect()
+    }
+}
+
 /// How one test is measured, the same for all of its sensors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Measurement {
@@ -193,6 +232,21 @@ mod tests {
         let causal = Measurement { is_causal: true, ..clean };
         let delay = middle_s(&causal) - middle_s(&clean);
         assert!((delay - 2.52e-4).abs() < 2.5e-5, "{delay}");
+    }
+
+    #[test]
+    fn a_ring_starts_at_contact_and_is_gone_after_the_pulse() {
+        let mut random = RandomNumbers::seeded(3);
+        for _ in 0..50 {
+            let ring = Ring::drawn(&mut random);
+            let rung = ring.added_to(&[vec![-100.0; 5000], vec![0.0; 15_000]].concat());
+            assert_eq!(rung[0], -100.0, "{ring:?}");
+            let most = rung[..5000].iter().fold(0.0_f64, |most, a| most.max((a + 100.0).abs()));
+            // A quarter of a period is at most 4.2 ms, of a decay of at least 10 ms: exp(-0.42) is left.
+            assert!((3.2..15.0).contains(&most), "{most} {ring:?}");
+            // After 0.2 s: exp(-6.6) of 15.
+            assert!(rung[20_000 - 1].abs() < 0.03, "{ring:?}");
+        }
     }
 
     #[test]

@@ -9,12 +9,15 @@ use crumple_artifact::{ArtifactBuilder, Compression, Provenance};
 use crumple_lumped::{CrushEvents, Model, Nonlinear2};
 use crumple_signal::{Channel, QuantityKind, Sampled, TestDescription};
 
+pub use crate::records::camry::write_camry_with_load_cells;
 pub(crate) use crate::records::half_sine::{HALF_SINE_SPEED, half_sine, table, test_of_half_sine, two_sensors};
 pub use crate::records::known_truth::{
     KnownTruth, TwoVehicles, known_truth, known_truths, known_truths_in, other_records, write_known_truth,
 };
-pub(crate) use crate::records::measurement::{FINE_S, LowPass, Measurement};
+pub use crate::records::measurement::Errors;
+pub(crate) use crate::records::measurement::{FINE_S, LowPass, Measurement, Ring};
 
+mod camry;
 pub mod fixture;
 mod half_sine;
 pub mod identification;

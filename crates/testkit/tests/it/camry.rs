@@ -1,14 +1,12 @@
 //! The public frontal test NHTSA 10146 with every model family: the compartment alone, the compartment with the engine,
 //! and both with the force on the wall.
 
-use std::fs;
-use std::io::Read;
 use std::path::Path;
 
 use crumple_artifact::Artifact;
 use crumple_testkit::interval_cover::{Choices, DRAWN, choices_of};
 use crumple_testkit::programs::{binary, number, summary_of};
-use crumple_testkit::{shared, workspace};
+use crumple_testkit::{Errors, shared, workspace, write_camry_with_load_cells};
 use serde_json::Value;
 
 const FAMILIES: [&str; 7] = [
@@ -124,21 +122,8 @@ fn the_engine_sensor_decides_between_the_duals() {
 /// The record with the load cells of its barrier beside it, as it is downloaded.
 fn with_load_cells(folder: &Path) -> tempfile::TempDir {
     let whole = tempfile::tempdir().unwrap();
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        if name.starts_with("v10146.") {
-            fs::write(whole.path().join(name), fs::read(&path).unwrap()).unwrap();
-        }
-    }
-    let mut cells = zip::ZipArchive::new(fs::File::open(folder.join("v10146_barrier_fx.zip")).unwrap()).unwrap();
-    for k in 0..cells.len() {
-        let mut entry = cells.by_index(k).unwrap();
-        let name = entry.name().unwrap().rsplit('/').next().unwrap().to_owned();
-        let mut bytes = Vec::new();
-        entry.read_to_end(&mut bytes).unwrap();
-        fs::write(whole.path().join(name), bytes).unwrap();
-    }
+    let cells = folder.join("v10146_barrier_fx.zip");
+    write_camry_with_load_cells(&folder.join("v10146.EV5"), &cells, whole.path()).unwrap();
     whole
 }
 
@@ -204,7 +189,9 @@ fn the_model_of_a_record_is_chosen() {
     // over; fits to the displacement that end on bounds.
     for name in ["elastoplastic", "nonlinear-1", "nonlinear-2", "triple"] {
         let drawn = DRAWN.iter().find(|drawn| drawn.name == name).unwrap();
-        let choices = choices_of(drawn, 3010..3020, false, (bin.parent().unwrap(), &pipeline), folder.path()).unwrap();
+        let choices =
+            choices_of(drawn, 3010..3020, Errors::Laboratory, (bin.parent().unwrap(), &pipeline), folder.path())
+                .unwrap();
         assert!(choices.held_percent() >= 80.0, "{}\n{}", Choices::HEAD, choices.row(name));
     }
 }

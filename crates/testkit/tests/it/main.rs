@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
+mod atlas;
 mod bad_input;
 mod book;
 mod camry;
