@@ -465,7 +465,8 @@ pub(crate) mod tests {
     use crate::candidate::Intervals;
     use crate::fit::as_measured::fit_as_measured;
     use crate::parameters::free_parameters;
-    use crate::record::observation::{MeasureModel, Observation};
+    use crate::record::measured_motion::MeasureModel;
+    use crate::record::observation::Observation;
     use crate::record::sensor_noise::tests::recorded_noise;
     use crate::uncertainty::assessment::AssessmentOptions;
     use crumple_lumped::{Kelvin, Model, Nonlinear1};
