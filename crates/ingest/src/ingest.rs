@@ -54,6 +54,9 @@ impl Ingested {
 /// exchange of units, speeds, times or signs makes pulse and impact speed fit, the first note asks for it, with the
 /// flag that was tried and mends it.
 pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
+    if let Some(error) = unit_asked_at_the_start(bundle, flags) {
+        return Err(error);
+    }
     let ingested = match read(bundle, flags) {
         Err(error) if error.refusal == Refusal::UnitOfTime => proven_unit_of_time(bundle, flags, error),
         read => read,
@@ -77,6 +80,27 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
         ingested.test.exchange_asked = true;
     }
     Ok(ingested)
+}
+
+/// A table of more bytes than this is asked for its unit at its start, so that who has to state it does not wait for the
+/// rest.
+const LONG: usize = 1 << 20;
+/// So many of its bytes are its start: its names and some hundred rows.
+const START: usize = 1 << 14;
+
+/// The refusal of a long table that states no unit of acceleration. Its names say so, and no row below them another.
+fn unit_asked_at_the_start(bundle: &Bundle, flags: &IngestSettings) -> Option<IngestError> {
+    let bytes = bundle.main.bytes.get(..START).filter(|start| (bundle.reader.streams)(start))?;
+    let is_long = bundle.large.is_some() || bundle.main.bytes.len() > LONG;
+    let end = bytes.iter().rposition(|byte| *byte == b'\n').filter(|_| is_long)? + 1;
+    let start = Bundle {
+        name: bundle.name.clone(),
+        sidecar: bundle.sidecar.clone(),
+        ..Bundle::with_reader(&bundle.main.name, bytes[..end].to_vec(), bundle.reader)
+    };
+    let choices = flags.with_number_of_vehicle().over(&open::settings(&start).ok()?.with_number_of_vehicle());
+    let error = recording_of(&start, &choices).err().filter(|error| error.question == Some(Question::Unit))?;
+    Some(everything_asked(&start, flags, error))
 }
 
 /// A refusal that a flag answers, with all that would be asked after it: answers are supposed until nothing more is

@@ -68,6 +68,7 @@ mod parameters;
 mod record {
     //! What is known of a test: its events, its waves, how they were measured, where they are compared.
 
+    pub mod measured_motion;
     pub mod observation;
     pub mod sensor;
     pub mod sensor_noise;
@@ -127,7 +128,8 @@ pub use papers::{
     maxwell_from_sum, rear_from_amplitudes,
 };
 pub use parameters::{MassSplit, free_parameters};
-pub use record::observation::{Impact, MeasureModel, Observation, ObservedWave};
+pub use record::measured_motion::MeasureModel;
+pub use record::observation::{Impact, Observation, ObservedWave};
 pub use record::sensor::{FitQuantity, Sensor, SensorFit, SensorPlace, TestData, WallForce};
 pub use selection::choice::{Choice, Strength};
 pub use selection::compared::{ComparedCandidate, EnergyClass, SelectionRules, depends_on_rate};

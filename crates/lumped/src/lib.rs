@@ -115,7 +115,8 @@ pub use motion::collision::{
     MeetingState, Moment, Turn,
 };
 pub use motion::mass_motion::{
-    Asked, CrashPulse, CrushEvents, Drive, HORIZON_S, Instants, Motion, Response, Sensitivity, Start, State, Waves,
+    Accuracy, Asked, CrashPulse, CrushEvents, Drive, HORIZON_S, Instants, Motion, Response, Sensitivity, Start, State,
+    Waves,
 };
 pub use response::collisions::{CollisionQuestions, Occupant, OccupantMotion, OccupantStop};
 pub use response::element_paths::{Leg, PathPoint, lead};

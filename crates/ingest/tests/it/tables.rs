@@ -333,6 +333,19 @@ fn a_pattern_means_one_column_or_is_refused() {
 }
 
 #[test]
+fn the_unit_of_a_long_table_is_asked_for_before_its_rows_are_read() {
+    let refused = |text: &str| from_text(text, &stated()).unwrap_err();
+    let (short, long) = (pulse("time_s,accel\n", 600), pulse("time_s,accel\n", 80_000));
+    assert!(long.len() > 1 << 20);
+    // What stands further down is not looked at: the same question as of the start alone.
+    let asked = refused(&(long.clone() + "0.1,no number\n"));
+    assert_eq!((asked.to_string(), asked.hint()), (refused(&short).to_string(), refused(&short).hint()));
+    assert!(asked.to_string().contains("no unit is stated"), "{asked}");
+    let stated = from_text(&long, &stated_with("--unit g")).unwrap();
+    assert_eq!(stated.pulse().unwrap().samples.len(), 80_000);
+}
+
+#[test]
 fn columns_named_by_channel_codes_are_decoded_and_the_pulse_is_found_by_place() {
     let header = "time_s,10ENGN000000ACXP (g),10VEHCCG0000ACXD (g),10SECMLERE00AC1P (g)\n";
     let rows: String = (0..400)

@@ -151,7 +151,7 @@ fn stated_uncertainties_give_intervals_and_none_gives_none() {
     let interval = crush.intervals.iter().find(|interval| interval.name == "dynamic_crush_m").unwrap();
     let value = crush.dynamic_crush_m.unwrap();
     assert!(interval.low < value && value < interval.high, "{interval:?} {value}");
-    assert_eq!(interval.interval_by, "5-95 % of 400 replicates");
+    assert_eq!(interval.interval_by, "5-95 % of 128 replicates");
     let metrics: MetricsV2 = artifact.record("/metrics").unwrap().unwrap();
     let olc = metrics.metrics.iter().find(|metric| metric.name == "olc").unwrap();
     assert_eq!(olc.definition_id.as_deref(), Some("olc-tb027"));
@@ -159,7 +159,7 @@ fn stated_uncertainties_give_intervals_and_none_gives_none() {
     let notes: NotesV1 = artifact.record("/notes").unwrap().unwrap();
     assert!(
         notes.notes.iter().any(|note| note.starts_with(
-            "intervals are 5-95 % of 400 replicates (seed 1) with impact speed +-0.36 km/h (uniform), gain 1 % \
+            "intervals are 5-95 % of 128 replicates (seed 1) with impact speed +-0.36 km/h (uniform), gain 1 % \
              (standard deviation, normal), contact 0.5 ms (standard deviation, normal), contact up to 4 ms earlier \
              for a soft front. An error of contact moves"
         )),
@@ -343,7 +343,7 @@ fn an_interval_that_cannot_be_says_why() {
         "{found:?}"
     );
     let without = found.without_interval.iter().find(|without| without.name == "dynamic_crush_m").unwrap();
-    let said = "of 400 replicates with perturbed inputs do not have it";
+    let said = "of 128 replicates with perturbed inputs do not have it";
     assert!(without.reason.starts_with("no interval: ") && without.reason.ends_with(said), "{without:?}");
     let metric = find(&metrics(&artifact), "p", "dynamic_crush");
     assert_eq!((metric.low, metric.interval_by.as_deref()), (None, Some(without.reason.as_str())));

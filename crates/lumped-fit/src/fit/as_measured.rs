@@ -99,11 +99,12 @@ fn descend_with_restarts(
     if let Some(weak) = weak.filter(|_| !ends && (stays || restarts == Restarts::Always)) {
         let restart =
             Bounds { cost_tolerance: WORTH_A_RESTART, max_iterations: STEPS_OF_A_RESTART, ..problem.bounds() };
+        let on_motion = problem.on_motion();
         let restarted: Vec<Optimum> = RESTARTS
             .par_iter()
             .filter_map(|size| {
                 let start: Vec<f64> = best.theta.iter().zip(&weak).map(|(t, w)| t + size * w).collect();
-                descend(&problem, &start, &restart)
+                descend(&on_motion, &start, &restart)
             })
             .collect();
         evaluations += restarted.iter().map(|minimum| minimum.evaluations).sum::<u64>();
@@ -194,7 +195,7 @@ mod tests {
 
     use super::*;
     use crate::parameters::{free_masses, free_parameters};
-    use crate::record::observation::MeasureModel;
+    use crate::record::measured_motion::MeasureModel;
     use nalgebra::DVector;
 
     /// CFC 60 at 10 kHz.

@@ -1,6 +1,6 @@
 //! A model of which some parameters are free, compared with the waves of a test, with conditions at dynamic crush.
 
-use crumple_lumped::{Instants, Model, Motion, Nonlinear1, Place, Structure};
+use crumple_lumped::{Accuracy, Asked, Instants, Model, Motion, Nonlinear1, Place, Structure, Waves};
 use crumple_numerics::estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
 use crumple_signal::{Displacement, Measurement, Signal};
 use nalgebra::DMatrix;
@@ -9,6 +9,7 @@ use crate::coordinates::{Coordinates, moved_numbers};
 use crate::error::{SolveError, positive};
 use crate::fit::search::bounds;
 use crate::record::observation::Observation;
+use crate::record::sensor::FitQuantity;
 
 /// Mass, speed, crush and window of a fit of a single mass to its displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,7 +83,8 @@ impl AtCrush {
     /// `None` without a response.
     pub fn conditions(&self, structure: &Structure, places: &[Place]) -> Option<([f64; 2], Vec<[f64; 2]>)> {
         let at = Instants { first_s: self.time_s, dt_s: self.time_s, samples: 1 };
-        let response = structure.sensitivity(self.units[1], &at, places).ok()?;
+        let asked = Asked { accuracy: Accuracy::Search, ..Waves::All.into() };
+        let response = structure.sensitivity_of(asked, self.units[1], &at, places).ok()?;
         let in_units = |motions: &Vec<Motion>| {
             let motion = motions.last()?;
             Some([motion.displacement_m[0] / self.units[0], motion.velocity_m_per_s[0] / self.units[1]])
@@ -116,6 +118,11 @@ const ITERATIONS: u32 = 200;
 /// Relative decrease of the cost that is worth another step near a minimum: over 250 samples it moves a parameter by
 /// `sqrt(250e-7)`, 0.5 % of its standard deviation.
 const COST_TOLERANCE: f64 = 1e-7;
+/// The same where the sensitivities are those of the motion: a last step on the exact ones follows, and nearer to the
+/// minimum they only lead to steps that gain nothing.
+const ON_MOTION: f64 = 1e-3;
+/// Steps on the sensitivities of the motion at most: those of a stiff unloading, which the filter smears, lead nowhere.
+const ON_MOTION_STEPS: u32 = 10;
 /// The same in 20 steps: of a misfit that is worth `N` samples, 1 % is `N/100` in twice the logarithm of the
 /// likelihood, and a parameter moves by 0.4 of its standard deviation where `N` is 16. In a valley that the record
 /// leaves open a descent creeps for hundreds of steps; the restarts across it find lower ground sooner.
@@ -137,13 +144,15 @@ pub(crate) struct Problem<'a> {
     pub exact: f64,
     /// Conditions at dynamic crush, two rows more.
     pub at_crush: Option<AtCrush>,
+    /// Whether the sensitivities are those of the motion itself, though the residuals are as measured.
+    pub on_motion: bool,
 }
 
 impl<'a> Problem<'a> {
     /// The comparison of a model with these waves. A descent ends where residuals are below `exact` at every sample;
     /// 0: never for that.
     pub fn new(coordinates: &'a Coordinates, observed: &'a Observation, exact: f64) -> Self {
-        Self { coordinates, observed, unit: observed.scale_m(), exact, at_crush: None }
+        Self { coordinates, observed, unit: observed.scale_m(), exact, at_crush: None, on_motion: false }
     }
 
     /// Weighted misfit at every sample of every wave, in the unit of the first.
@@ -161,9 +170,25 @@ impl<'a> Problem<'a> {
         Bounds { slow: SLOW, ..bounds(self.coordinates, ITERATIONS, COST_TOLERANCE) }
     }
 
+    /// The same with the sensitivities of the motion itself, which cost a tenth of those as measured: filter and sums
+    /// change a displacement by some 1e-5 of it, and as little of its derivatives. A descent on them comes as near to
+    /// the minimum as that; what has to end in it takes its last steps on its own. The same where the waves are not
+    /// displacements or are not known as measured.
+    pub fn on_motion(&self) -> Self {
+        let are_displacements = self.observed.waves.iter().all(|wave| wave.quantity == FitQuantity::Displacement);
+        Self { on_motion: are_displacements && self.observed.is_as_measured(), ..self.clone() }
+    }
+
     /// The minimum near `start`, by one descent: for the end of a fit and many repetitions of it.
     pub fn follow(&self, start: &[f64]) -> Option<Optimum> {
-        descend(self, start, &self.bounds())
+        let bounds = self.bounds();
+        let quick = self.on_motion();
+        let to_nearby = Bounds { max_iterations: ON_MOTION_STEPS, cost_tolerance: ON_MOTION, ..bounds.clone() };
+        let near = if quick.on_motion { descend(&quick, start, &to_nearby) } else { None };
+        let Some(near) = near else { return descend(self, start, &bounds) };
+        let end = descend(self, &near.theta, &bounds)?;
+        let (iterations, evaluations) = (near.iterations + end.iterations, near.evaluations + end.evaluations);
+        Some(Optimum { iterations, evaluations, ..end })
     }
 
     /// The minimum near `others` with coordinate number `fixed` set to `coordinate`: the other coordinates and the
@@ -215,28 +240,16 @@ impl Response for Problem<'_> {
         let derivatives = self.coordinates.derivatives(theta);
         let moved = moved_numbers(&derivatives);
         let places = self.coordinates.places(&moved);
-        let mut first = 0;
-        for wave in &self.observed.waves {
-            let impact = self.observed.impact_of(wave);
-            let Some(loaded) = impact.structure(&structure) else { return false };
-            let Ok(by_number) = wave.derivatives(impact.speed_m_per_s, &loaded, &places) else { return false };
-            let rows = wave.samples.len();
-            if by_number.iter().any(|derivative| derivative.len() != rows) {
-                return false;
+        let Some(by_number) = self.observed.derivatives_of(&structure, &places, self.on_motion) else { return false };
+        let first = self.observed.rows();
+        for (by, mut column) in derivatives.iter().zip(out.column_iter_mut()) {
+            let column = &mut column.as_mut_slice()[..first];
+            column.fill(0.0);
+            for (number, factor) in by {
+                let Ok(p) = moved.binary_search(number) else { continue };
+                let factor = factor / self.unit;
+                column.iter_mut().zip(&by_number[p]).for_each(|(sum, derivative)| *sum += factor * derivative);
             }
-            let scale = wave.weight / self.unit;
-            for (by, mut column) in derivatives.iter().zip(out.column_iter_mut()) {
-                let column = &mut column.as_mut_slice()[first..first + rows];
-                column.fill(0.0);
-                for (number, factor) in by {
-                    let Ok(p) = moved.binary_search(number) else { continue };
-                    column
-                        .iter_mut()
-                        .zip(&by_number[p])
-                        .for_each(|(sum, derivative)| *sum += factor * derivative * scale);
-                }
-            }
-            first += rows;
         }
         if let Some(at_crush) = &self.at_crush {
             let Some((_, by_number)) = at_crush.rows(&structure, &places) else { return false };

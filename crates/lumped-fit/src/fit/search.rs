@@ -101,19 +101,44 @@ const PART_OF_A_RESTART: f64 = 0.01;
 /// Rounds of such steps.
 const ROUNDS: usize = 6;
 
+/// Relative decrease of the cost that is worth another step of a search: a fit as measured follows, whose own is a
+/// hundred times that.
+const WORTH_A_STEP: f64 = 1e-9;
+/// Starts that are sorted side by side, after which a search asks whether it has seen enough.
+const ROUND: usize = 8;
+/// A place at which so many of them end, and none lower, is taken for the only one that is lower than all others.
+const MET: usize = 3;
+
 /// Where the descents of a search stay, and when they end.
 pub(crate) fn bounds_of_search(coordinates: &Coordinates) -> Bounds {
-    bounds(coordinates, 200, 1e-15)
+    bounds(coordinates, 200, WORTH_A_STEP)
+}
+
+/// Whether so many ends as [`MET`] are at the place of the first; `sorted` by cost.
+fn is_met(coordinates: &Coordinates, sorted: &[Optimum]) -> bool {
+    let Some(best) = sorted.first().map(|best| coordinates.identity(&best.theta)) else { return false };
+    let is_there =
+        |end: &&Optimum| coordinates.identity(&end.theta).iter().zip(&best).all(|(a, b)| (a - b).abs() < APART);
+    sorted.iter().filter(is_there).count() >= MET
 }
 
 /// The distinct minima found, best first, and the evaluations spent.
 ///
-/// A few iterations from every point, on a part of the samples; the best are followed to convergence; then
-/// [`restarts`](restart).
+/// A few iterations from the points, on a part of the samples, in rounds of eight until three of them ended at the best
+/// place; the best are followed to convergence; then [`restarts`](restart).
 pub(crate) fn multistart(coarse: &Problem<'_>, problem: &Problem<'_>, points: Vec<Vec<f64>>) -> (Vec<Optimum>, u64) {
     let bounds = bounds_of_search(problem.coordinates);
     let screening = Bounds { max_iterations: SCREENING_ITERATIONS, cost_tolerance: 1e-6, ..bounds.clone() };
-    let (screened, mut evaluations) = all(coarse, points, &screening);
+    let (mut screened, mut evaluations) = (Vec::with_capacity(points.len()), 0);
+    for round in points.chunks(ROUND) {
+        let (ends, spent) = all(coarse, round.to_vec(), &screening);
+        evaluations += spent;
+        screened.extend(ends);
+        screened.sort_by(|a: &Optimum, b| a.cost.total_cmp(&b.cost));
+        if is_met(problem.coordinates, &screened) {
+            break;
+        }
+    }
     let hopeful = distinct(problem.coordinates, screened).into_iter().take(FOLLOWED).map(|m| m.theta).collect();
     let (minima, spent) = all(problem, hopeful, &bounds);
     evaluations += spent;

@@ -8,13 +8,13 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use crumple_lumped::{Instants, LumpedError, Model, Motion, Place, Structure, steps_taken};
+use crumple_lumped::{Accuracy, Instants, LumpedError, Model, Motion, Place, Structure};
 use crumple_numerics::estimation::work::Work;
-use crumple_signal::{ABREAST, Displacement, Measurement, Sampled, Signal};
-use rayon::prelude::*;
+use crumple_signal::{Displacement, Measurement, Sampled, Signal};
 
 use crate::error::SolveError;
-use crate::record::sensor::{FitQuantity, motion_of, response_of};
+use crate::record::measured_motion::{MeasureModel, derivatives, metered};
+use crate::record::sensor::{FitQuantity, response_of};
 
 /// The impact that a wave is of.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,19 +65,9 @@ pub struct ObservedWave {
     pub(crate) work: Work,
 }
 
-/// What a step of a motion costs, in samples of a wave that are read off it and filtered.
-const STEP: u64 = 160;
 /// Work that one fit of a model may cost, in samples of a wave. A sample takes some 10 ns, so 2.5 s of one processor;
 /// the fits of an ordinary record take a hundredth of it.
 pub(crate) const MOST_WORK: u64 = 250_000_000;
-
-/// A response and so many derivatives over these samples, which cost work.
-fn metered<T>(work: &Work, (samples, derivatives): (usize, usize), respond: impl FnOnce() -> T) -> T {
-    let before = steps_taken();
-    let response = respond();
-    work.spend((1 + derivatives as u64) * (STEP * (steps_taken() - before) + samples as u64));
-    response
-}
 
 /// A wave on its own time axis, window or not.
 #[derive(Debug, PartialEq)]
@@ -263,7 +253,7 @@ impl ObservedWave {
     pub(crate) fn response(&self, v0_m_per_s: f64, structure: &Structure) -> Result<Vec<f64>, LumpedError> {
         let what = (self.mass, self.quantity);
         if self.measurement.is_exact() {
-            let respond = || response_of(what, structure, v0_m_per_s, &self.instants(), &[]);
+            let respond = || response_of(what, Accuracy::Search, structure, v0_m_per_s, &self.instants(), &[]);
             return Ok(self.of_motions(metered(&self.work, (self.samples.len(), 0), respond)?.motions));
         }
         let measured = || self.measurement.of_structure(what, v0_m_per_s, self.last(), structure);
@@ -277,14 +267,25 @@ impl ObservedWave {
         structure: &Structure,
         places: &[Place],
     ) -> Result<Vec<Vec<f64>>, LumpedError> {
-        let what = (self.mass, self.quantity);
         if self.measurement.is_exact() {
-            let respond = || response_of(what, structure, v0_m_per_s, &self.instants(), places);
-            let response = metered(&self.work, (self.samples.len(), places.len()), respond)?;
-            return Ok(response.derivatives.into_iter().map(|motions| self.of_motions(motions)).collect());
+            return self.derivatives_of_motion(v0_m_per_s, structure, places);
         }
+        let what = (self.mass, self.quantity);
         let all = derivatives((&self.measurement, &self.work), what, v0_m_per_s, self.last(), (structure, places))?;
         Ok(all.iter().map(|derivative| self.picked(derivative)).collect())
+    }
+
+    /// Those of the motion itself, whatever was done to it.
+    pub(crate) fn derivatives_of_motion(
+        &self,
+        v0_m_per_s: f64,
+        structure: &Structure,
+        places: &[Place],
+    ) -> Result<Vec<Vec<f64>>, LumpedError> {
+        let what = (self.mass, self.quantity);
+        let respond = || response_of(what, Accuracy::Search, structure, v0_m_per_s, &self.instants(), places);
+        let response = metered(&self.work, (self.samples.len(), places.len()), respond)?;
+        Ok(response.derivatives.into_iter().map(|motions| self.of_motions(motions)).collect())
     }
 
     /// Its quantity in the motion of its mass; nothing where there is none.
@@ -358,6 +359,30 @@ impl Observation {
             misfit.extend(response.iter().zip(&wave.samples).map(|(model, record)| (model - record) * wave.weight));
         }
         (misfit.len() == self.rows() && misfit.iter().all(|r| r.is_finite())).then_some(misfit)
+    }
+
+    /// The derivatives of that by the parameters at `places`, with every weight; `on_motion`: of the motion itself,
+    /// whatever was done to the waves. `None` without a finite response.
+    pub(crate) fn derivatives_of(
+        &self,
+        structure: &Structure,
+        places: &[Place],
+        on_motion: bool,
+    ) -> Option<Vec<Vec<f64>>> {
+        let mut all = vec![Vec::with_capacity(self.rows()); places.len()];
+        for wave in &self.waves {
+            let impact = self.impact_of(wave);
+            let loaded = impact.structure(structure)?;
+            let of_wave = if on_motion {
+                wave.derivatives_of_motion(impact.speed_m_per_s, &loaded, places)
+            } else {
+                wave.derivatives(impact.speed_m_per_s, &loaded, places)
+            };
+            for (all, of_wave) in all.iter_mut().zip(of_wave.ok()?) {
+                all.extend(of_wave.iter().map(|derivative| derivative * wave.weight));
+            }
+        }
+        all.iter().all(|derivative| derivative.len() == self.rows()).then_some(all)
     }
 
     /// Fit of the first wave, `100 (1 - |ŷ - y|/|y - ȳ|)` percent with the norms over its samples and ȳ their mean, of
@@ -457,92 +482,6 @@ impl Observation {
         }
         moved
     }
-}
-
-/// What a measurement makes of a model. Errors: the model's own.
-pub trait MeasureModel {
-    /// The displacement of a model's compartment, from the first sample of the record to sample `last`.
-    fn displacement(&self, model: &Model, v0_m_per_s: f64, last: usize) -> Result<Vec<f64>, LumpedError> {
-        self.motion(model, None, FitQuantity::Displacement, v0_m_per_s, last)
-    }
-
-    /// The same for any mass (by its index from the barrier on; `None`: the compartment, also for an index beyond it)
-    /// and quantity.
-    fn motion(
-        &self,
-        model: &Model,
-        mass: Option<usize>,
-        quantity: FitQuantity,
-        v0_m_per_s: f64,
-        last: usize,
-    ) -> Result<Vec<f64>, LumpedError> {
-        self.of_structure((mass, quantity), v0_m_per_s, last, &model.structure()?)
-    }
-
-    /// The same of any structure.
-    fn of_structure(
-        &self,
-        what: (Option<usize>, FitQuantity),
-        v0_m_per_s: f64,
-        last: usize,
-        structure: &Structure,
-    ) -> Result<Vec<f64>, LumpedError>;
-}
-
-impl MeasureModel for Measurement {
-    fn of_structure(
-        &self,
-        (mass, quantity): (Option<usize>, FitQuantity),
-        v0_m_per_s: f64,
-        last: usize,
-        structure: &Structure,
-    ) -> Result<Vec<f64>, LumpedError> {
-        let respond = |quantity, at: Instants| response_of((mass, quantity), structure, v0_m_per_s, &at, &[]);
-        let Some(samples) = self.instants(last) else {
-            return Ok(self.record(&[], quantity.kind(), v0_m_per_s, last));
-        };
-        if self.is_exact() {
-            let before = self.contact_index();
-            let samples = (last + 1).saturating_sub(before);
-            let at = Instants { first_s: self.time_s(before).max(0.0), dt_s: self.dt_s, samples };
-            let motions = respond(quantity, at)?.motions;
-            let mut seen = vec![if quantity == FitQuantity::Velocity { v0_m_per_s } else { 0.0 }; before];
-            seen.extend(motion_of(&motions, mass).map_or(&[][..], |motion| quantity.of(motion)));
-            return Ok(seen);
-        }
-        let at = Instants { first_s: 0.0, dt_s: self.dt_s, samples };
-        let motions = respond(quantity.recorded(), at)?.motions;
-        let acceleration = motion_of(&motions, mass).map_or(&[][..], |m| &m.acceleration_m_per_s2);
-        Ok(self.record(acceleration, quantity.kind(), v0_m_per_s, last))
-    }
-}
-
-/// Derivatives of that by the parameters at these places: a measurement is linear, so they are the derivatives of the
-/// acceleration measured without an impact speed. Not of an exact one.
-pub(crate) fn derivatives(
-    (measurement, work): (&Measurement, &Work),
-    (mass, quantity): (Option<usize>, FitQuantity),
-    v0_m_per_s: f64,
-    last: usize,
-    (structure, places): (&Structure, &[Place]),
-) -> Result<Vec<Vec<f64>>, LumpedError> {
-    let Some(samples) = measurement.instants(last) else {
-        return Ok(vec![measurement.record(&[], quantity.kind(), 0.0, last); places.len()]);
-    };
-    let at = Instants { first_s: 0.0, dt_s: measurement.dt_s, samples };
-    let of_some = |places: &[Place]| -> Result<Vec<Vec<f64>>, LumpedError> {
-        let response = response_of((mass, quantity.recorded()), structure, v0_m_per_s, &at, places)?;
-        let motions = response.derivatives.iter().map(|motions| motion_of(motions, mass));
-        let accelerations: Vec<&[f64]> =
-            motions.map(|motion| motion.map_or(&[][..], |motion| &motion.acceleration_m_per_s2)).collect();
-        Ok(measurement.record_all(&accelerations, quantity.kind(), last))
-    };
-    // In parts of equal size, on as many threads as are idle.
-    let parts = places.len().div_ceil(ABREAST).max(1);
-    let size = places.len().div_ceil(parts).max(1);
-    let metered_part = |places| metered(work, (last + 1, <[Place]>::len(places)), || of_some(places));
-    let parts: Vec<Vec<Vec<f64>>> = places.par_chunks(size).map(metered_part).collect::<Result<_, _>>()?;
-    Ok(parts.into_iter().flatten().collect())
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@
 
 use std::f64::consts::{LN_2, PI};
 
-use crumple_lumped::Model;
+use crumple_lumped::{Model, Place};
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use crate::record::observation::{Observation, ObservedWave};
@@ -22,8 +22,6 @@ const BEFORE_THE_RECORD: f64 = LN_2;
 /// What each number is charged beforehand, beside what the score charges it for what it foretells: one more halves the
 /// odds of a model, so that of models which the record does not tell apart the simpler one is taken.
 pub const OF_A_NUMBER: f64 = 2.0 * LN_2;
-/// Relative step of a difference quotient: rounding over it and its second-order error are both below 1e-5.
-const DIFFERENCE: f64 = 1e-5;
 /// Largest relative change of a number in one step towards the least misfit.
 const LARGEST_STEP: f64 = 0.3;
 /// Steps at most: fits to the displacement are near.
@@ -58,18 +56,17 @@ impl Evidence {
             Some((terms_of_all(&misfits), misfits))
         };
         let (names, mut values) = (start.names(), start.values());
-        let places = free.iter().filter_map(|free| names.iter().position(|name| name == free));
-        let free: Vec<usize> = places.filter(|k| values[*k] != 0.0).collect();
+        let indices = free.iter().filter_map(|free| names.iter().position(|name| name == free));
+        let free: Vec<usize> = indices.filter(|k| values[*k] != 0.0).collect();
+        let places: Vec<Place> = free.iter().map(|k| start.places()[*k]).collect();
         let at = |values: &[f64], (terms, misfits): (DVector<f64>, Vec<Vec<f64>>)| -> Option<Self> {
             let mut columns = Vec::with_capacity(free.len() + records.len());
-            for k in &free {
-                // A number on the edge of what has a meaning moves away from it.
-                let moved = [DIFFERENCE, -DIFFERENCE].into_iter().find_map(|step| {
-                    let mut moved = values.to_vec();
-                    moved[*k] *= 1.0 + step;
-                    Some((terms_at(&moved)?.0 - &terms) * (BEFORE_THE_RECORD / step))
-                });
-                columns.push(moved.unwrap_or_else(|| DVector::zeros(terms.len())));
+            let structure = start.with_values(values).ok()?.structure().ok()?;
+            let by_places = records.iter().map(|(observed, _)| observed.derivatives_of(&structure, &places, false));
+            let by_places: Vec<Vec<Vec<f64>>> = by_places.collect::<Option<_>>()?;
+            for (number, k) in free.iter().enumerate() {
+                let of_number: Vec<Vec<f64>> = by_places.iter().map(|of_record| of_record[number].clone()).collect();
+                columns.push(terms_of_all(&of_number) * (values[*k] * BEFORE_THE_RECORD));
             }
             // Each record has a time zero of its own.
             for record in 0..records.len() {

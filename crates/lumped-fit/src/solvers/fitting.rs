@@ -5,6 +5,7 @@ use crumple_lumped::{Elastoplastic, Model, ModelKind, Nonlinear1, ParameterKind}
 use crumple_signal::{About, Measurement, Note, Notes, Weight, remarks};
 
 use crate::candidate::{Candidate, Fit, Minimum, bounds_remark, fixed_at_bound};
+use crate::closed_form::unloads_rigidly;
 use crate::coordinates::{MassFit, largest_of_chain};
 use crate::error::SolveError;
 use crate::fit::as_measured::{fit_as_measured, fit_nearby};
@@ -12,7 +13,7 @@ use crate::parameters::{FitParameter, free_masses, free_parameters, mass_of};
 use crate::record::observation::{Observation, ObservedWave};
 use crate::record::sensor::{FitQuantity, Sensor, SensorPlace, errors_in_words, note_of_errors};
 use crate::solvers::table::{Task, mass_count, row_of};
-use crate::uncertainty::acceleration_likelihood::least_acceleration_misfit;
+use crate::uncertainty::acceleration_likelihood::acceleration_misfit;
 
 /// Why a model cannot be fitted: sensors of two different places are on one of its masses, which has one motion. One
 /// channel named for two places is one sensor; two channels of one place are two measurements of it, and allowed.
@@ -90,10 +91,10 @@ pub(super) fn pulse<'a>(task: &Task<'a>) -> Option<Sensor<'a>> {
 /// as long is one of 100 Hz, where CFC 60 leaves 0.7 of it (SAE J211-1).
 const UNSEEN_HALF_SWING_S: f64 = 5e-3;
 
-/// Whether a mass that stayed on its spring after unloading would swing too fast to be seen.
+/// Whether a mass that stayed on its spring after unloading would swing too fast to be seen, or its unloading is rigid.
 fn leaves_at_once(model: &Elastoplastic) -> bool {
     let half_swing_s = std::f64::consts::PI * (model.mass_kg / model.unloading_stiffness_n_per_m).sqrt();
-    half_swing_s < UNSEEN_HALF_SWING_S
+    half_swing_s < UNSEEN_HALF_SWING_S || unloads_rigidly(model)
 }
 
 /// Rounds of weighing sensors, and the change of a weight that is worth another one.
@@ -194,7 +195,7 @@ impl<'a> FitTask<'a> {
         match &start.model {
             Model::Elastoplastic(model) if self.task.fits_displacement_alone() && !leaves_at_once(model) => {
                 let both = [true, false].map(|release| fit(&Model::Elastoplastic(Elastoplastic { release, ..*model })));
-                let misfit = |minimum: &Minimum| least_acceleration_misfit(minimum).unwrap_or(f64::INFINITY);
+                let misfit = |minimum: &Minimum| acceleration_misfit(minimum).unwrap_or(f64::INFINITY);
                 both.into_iter().flatten().min_by(|a, b| misfit(a).total_cmp(&misfit(b)))
             }
             Model::Elastoplastic(model) if self.task.fits_displacement_alone() => {

@@ -12,7 +12,7 @@ use crate::coordinates::{Coordinates, MassFit, Scale};
 use crate::error::SolveError;
 use crate::fit::as_measured::{dual_of, exchanged, is_own_dual};
 use crate::fit::problem::{Problem, SingleMassFitOptions};
-use crate::fit::search::{APART, AS_GOOD, REPORTED, Search, Searched, bounds, search};
+use crate::fit::search::{APART, AS_GOOD, REPORTED, Search, Searched, bounds_of_search, search};
 use crate::parameters::{MassEvidence, masses, triple_masses};
 use crate::record::observation::RESOLUTION_M;
 use crate::record::sensor::FitQuantity;
@@ -118,7 +118,7 @@ fn minimum_from_dual(coordinates: &Coordinates, searched: &Searched) -> Option<O
     let Model::DoubleSpringMassDamper(best) = coordinates.model(&searched.minima.first()?.theta)? else { return None };
     let dual = coordinates.coordinates_of(&Model::DoubleSpringMassDamper(best.dual()));
     let problem = Problem::new(coordinates, &searched.observed, 0.0);
-    let end = descend(&problem, &dual, &bounds(coordinates, 200, 1e-15))?;
+    let end = descend(&problem, &dual, &bounds_of_search(coordinates))?;
     let apart = |m: &Optimum| m.theta.iter().zip(&end.theta).any(|(a, b)| (a - b).abs() > APART);
     searched.minima.iter().all(apart).then_some(end)
 }

@@ -339,15 +339,14 @@ pub(crate) fn holding(number: &FitParameter, (least, fitted): (f64, f64), (low, 
     (low, high.map(|high| moved(high, above)))
 }
 
-/// The least mean square misfit of the accelerations, (m/s²)², at every sample of the windows, that a descent from a
-/// minimum finds. Two models whose displacements meet a record alike, as sums of one error, are told apart here.
-pub(crate) fn least_acceleration_misfit(minimum: &Minimum) -> Option<f64> {
+/// The sum of squared misfits of the accelerations, (m/s²)², at every sample of the windows. Two models whose
+/// displacements meet a record alike, as sums of one error, are told apart here.
+pub(crate) fn acceleration_misfit(minimum: &Minimum) -> Option<f64> {
     let waves = minimum.observed.waves.iter().map(|wave| ObservedWave { weight: 1.0, ..wave.dense() }).collect();
     let dense = Observation { waves, ..minimum.observed };
     let coordinates = minimum.coordinates();
     let misfit = AccelerationMisfit { problem: near(&coordinates, &dense), noises: &[] };
-    let least = misfit.descend(&coordinates.start())?;
-    Some(least.cost / misfit.rows() as f64)
+    misfit.sum_of_squares(&coordinates.start())
 }
 
 /// The misfit in units of the noise, at every sample but those that differences take, wave after wave.
@@ -466,7 +465,8 @@ pub(crate) mod tests {
     use crate::candidate::Intervals;
     use crate::fit::as_measured::fit_as_measured;
     use crate::parameters::free_parameters;
-    use crate::record::observation::{MeasureModel, Observation};
+    use crate::record::measured_motion::MeasureModel;
+    use crate::record::observation::Observation;
     use crate::record::sensor_noise::tests::recorded_noise;
     use crate::uncertainty::assessment::AssessmentOptions;
     use crumple_lumped::{Kelvin, Model, Nonlinear1};

@@ -142,7 +142,7 @@ fn fit_at(minimum: &Minimum, start: &[f64]) -> Option<AtShare> {
     let coordinates = Coordinates::near(model, free);
     let problem = near(&coordinates, &minimum.observed);
     let resolution = (minimum.observed.unresolved() / problem.rows() as f64).sqrt();
-    let problem = Problem { exact: BELOW_RESOLUTION * resolution, ..problem };
+    let problem = Problem { exact: BELOW_RESOLUTION * resolution, ..problem.on_motion() };
     let bounds = Bounds { max_iterations: ITERATIONS, cost_tolerance: WORTH_A_STEP, ..problem.bounds() };
     let best = descend(&problem, &coordinates.start(), &bounds)?;
     Some(AtShare { model: coordinates.model(&best.theta)?, cost: best.cost })

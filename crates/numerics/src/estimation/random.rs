@@ -60,6 +60,83 @@ impl RandomNumbers {
     }
 }
 
+// Points that fill a box more evenly than random ones.
+
+/// Coordinates that [`EvenPoints`] have at most.
+pub const MOST_COORDINATES: usize = 12;
+/// Degree, inner coefficients and first direction numbers of the primitive polynomial of each coordinate after the
+/// first: Joe & Kuo, "Constructing Sobol' sequences with better two-dimensional projections", SIAM J. Sci. Comput. 30,
+/// 2008.
+const DIRECTIONS: [(usize, u32, [u32; 5]); MOST_COORDINATES - 1] = [
+    (1, 0, [1, 0, 0, 0, 0]),
+    (2, 1, [1, 3, 0, 0, 0]),
+    (3, 1, [1, 3, 1, 0, 0]),
+    (3, 2, [1, 1, 1, 0, 0]),
+    (4, 1, [1, 1, 3, 3, 0]),
+    (4, 4, [1, 3, 5, 13, 0]),
+    (5, 2, [1, 1, 5, 5, 17]),
+    (5, 4, [1, 1, 5, 5, 5]),
+    (5, 7, [1, 1, 7, 11, 19]),
+    (5, 11, [1, 1, 5, 1, 1]),
+    (5, 13, [1, 1, 1, 3, 11]),
+];
+/// Binary digits of a coordinate.
+const DIGITS: usize = 32;
+
+/// The points of Sobol's sequence in the unit cube, shifted at random by a seed: each alone is uniform, and of `2^k` of
+/// them each coordinate has one in every `2^-k` of the interval.
+///
+/// Means over `n` of them are off by about `1/n` instead of `1/sqrt(n)` where a function is smooth, and quantiles by
+/// something between. Sobol', "On the distribution of points in a cube and the approximate evaluation of integrals",
+/// USSR Comput. Math. Math. Phys. 7, 1967; the shift adds random binary digits without carry (Cranley & Patterson
+/// 1976).
+#[derive(Debug, Clone)]
+pub struct EvenPoints {
+    /// Direction numbers of each coordinate.
+    directions: Vec<[u32; DIGITS]>,
+    shifts: Vec<u32>,
+}
+
+impl EvenPoints {
+    /// The points of a seed, with so many coordinates, [`MOST_COORDINATES`] at most.
+    pub fn seeded(seed: u64, coordinates: usize) -> Self {
+        let coordinates = coordinates.min(MOST_COORDINATES);
+        let mut random = RandomNumbers::seeded(seed);
+        Self {
+            directions: (0..coordinates).map(direction_numbers).collect(),
+            shifts: (0..coordinates).map(|_| (random.0.next_u64() >> DIGITS) as u32).collect(),
+        }
+    }
+
+    /// Point `index`, each coordinate above 0 and below 1.
+    pub fn point(&self, index: usize) -> Vec<f64> {
+        // Each point differs from the one before by one direction number.
+        let gray = index ^ (index >> 1);
+        let digits = |directions: &[u32; DIGITS]| {
+            (0..DIGITS).filter(|bit| (gray >> bit) & 1 == 1).fold(0, |sum, bit| sum ^ directions[bit])
+        };
+        let shifted = self.directions.iter().zip(&self.shifts).map(|(directions, shift)| digits(directions) ^ shift);
+        shifted.map(|x| (f64::from(x) + 0.5) * 0.5_f64.powi(DIGITS as i32)).collect()
+    }
+}
+
+/// The direction numbers of a coordinate.
+fn direction_numbers(coordinate: usize) -> [u32; DIGITS] {
+    let Some((degree, inner, first)) = coordinate.checked_sub(1).map(|row| DIRECTIONS[row]) else {
+        return std::array::from_fn(|bit| 1 << (DIGITS - 1 - bit));
+    };
+    let mut numbers = [0; DIGITS];
+    for bit in 0..DIGITS {
+        numbers[bit] = if bit < degree {
+            first[bit] << (DIGITS - 1 - bit)
+        } else {
+            let earlier = (1..degree).filter(|k| (inner >> (degree - 1 - k)) & 1 == 1).map(|k| numbers[bit - k]);
+            earlier.fold(numbers[bit - degree] ^ (numbers[bit - degree] >> degree), |sum, number| sum ^ number)
+        };
+    }
+    numbers
+}
+
 // Random numbers that depend on their stream and index alone.
 //
 // Meant for starts and resampling in parallel: each draw names its place in the sequence, so no generator is shared
@@ -107,6 +184,37 @@ mod tests {
         assert!(moment(1).abs() < error, "{}", moment(1));
         assert!((moment(2) - 1.0).abs() < 2.0_f64.sqrt() * error, "{}", moment(2));
         assert!((moment(4) - 3.0).abs() < 96.0_f64.sqrt() * error, "{}", moment(4));
+    }
+
+    #[test]
+    fn each_coordinate_of_even_points_has_one_in_every_part_of_the_interval() {
+        for seed in 0..3 {
+            let points = EvenPoints::seeded(seed, MOST_COORDINATES);
+            // The first block, and one that begins later.
+            for first in [0, 128] {
+                for coordinate in 0..MOST_COORDINATES {
+                    let mut parts: Vec<usize> =
+                        (first..first + 128).map(|k| (128.0 * points.point(k)[coordinate]) as usize).collect();
+                    parts.sort_unstable();
+                    assert!(parts.iter().copied().eq(0..128), "{seed} {coordinate}: {parts:?}");
+                }
+            }
+        }
+        let points = |seed| EvenPoints::seeded(seed, 2);
+        assert_eq!(points(7).point(5), points(7).point(5));
+        assert_ne!(points(7).point(5), points(8).point(5));
+    }
+
+    #[test]
+    fn even_points_know_a_product_better_than_random_ones() {
+        // The mean of the product of four coordinates is 1/16, with a deviation of sqrt(1/81 - 1/256) = 0.092: 128
+        // random points know it to 8e-3.
+        let error = |seed: u64| {
+            let points = EvenPoints::seeded(seed, 4);
+            (0..128).map(|k| points.point(k).iter().product::<f64>()).sum::<f64>() / 128.0 - 1.0 / 16.0
+        };
+        let root = ((0..50).map(|seed| error(seed).powi(2)).sum::<f64>() / 50.0).sqrt();
+        assert!(root < 8e-3 / 5.0, "{root}");
     }
 
     #[test]

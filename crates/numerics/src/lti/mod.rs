@@ -19,4 +19,6 @@ pub use eigenvalues::{Complex, eigenvalues, eigenvectors, polynomial_roots};
 pub use error::LtiError;
 pub use matrix_functions::{matrix_exponential, matrix_logarithm};
 pub use model::{Mode, StateSpace, TransferFunction};
-pub use responses::{free_response, frequency_response, impulse_response, response, simulate, step_response};
+pub use responses::{
+    end_what_decayed, free_response, frequency_response, impulse_response, response, simulate, step_response,
+};

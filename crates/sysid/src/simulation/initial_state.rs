@@ -5,24 +5,13 @@
 
 use crumple_numerics::linalg::TriangularFactor;
 use crumple_numerics::linalg::dot;
-use crumple_numerics::lti::StateSpace;
+use crumple_numerics::lti::{StateSpace, end_what_decayed};
 
 use crate::data::{columns_of, rows_of};
 use crate::{IdentifyError, IoData};
 
 /// Directions of the state that the record shows with less than this fraction of the strongest are left at zero.
 const TRUNCATION: f64 = 1e-13;
-
-/// A motion that decays is over below this.
-const OVER: f64 = 1e-280;
-
-/// Ends a free motion all of whose states are below 1e-280. Rounding holds what decays among the subnormal numbers for
-/// ever, and sums of those take a hundred times as long.
-pub(crate) fn end_what_decayed(state: &mut [f64]) {
-    if state.iter().all(|x| x.abs() < OVER) {
-        state.fill(0.0);
-    }
-}
 
 /// `v' a` with `a` given by its columns.
 pub(crate) fn left_multiply(v: &[f64], columns: &[Vec<f64>], out: &mut [f64]) {

@@ -2,11 +2,11 @@
 
 use crumple_numerics::linalg::TriangularFactor;
 use crumple_numerics::linalg::dot;
-use crumple_numerics::lti::StateSpace;
+use crumple_numerics::lti::{StateSpace, end_what_decayed};
 use nalgebra::DMatrix;
 
 use crate::data::columns_of;
-use crate::simulation::initial_state::{end_what_decayed, left_multiply};
+use crate::simulation::initial_state::left_multiply;
 use crate::{IdentifyError, IoData};
 
 /// Singular values below this fraction of the largest count as zero: states that the record does not show.
@@ -66,6 +66,7 @@ pub(crate) fn input_matrices(
                         *next += c * u;
                     }
                     std::mem::swap(dual, &mut next);
+                    end_what_decayed(dual);
                 }
                 for (s, v) in free.iter().enumerate() {
                     block[(free_at + s) * count + k] = *v;

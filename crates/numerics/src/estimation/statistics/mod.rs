@@ -53,6 +53,12 @@ pub fn normal_distribution(z: f64) -> f64 {
     Normal::standard().cdf(z)
 }
 
+/// The value below which a share of a normal distribution lies, in standard deviations from its mean; infinite for a
+/// share of 0 or 1.
+pub fn normal_deviate(share: f64) -> f64 {
+    Normal::standard().inverse_cdf(share)
+}
+
 /// The shortest interval that holds 95 % of a normal distribution and a value, as its two ends: below and above the
 /// mean, in units of 1.96 deviations. `value`: how far it is above the mean, in the same unit.
 pub fn shortest_with(value: f64) -> (f64, f64) {
