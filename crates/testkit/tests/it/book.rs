@@ -1,8 +1,8 @@
 //! The commands of the book run, and print what it shows.
 //!
 //! Blocks of `sh` are run in order, those of one page in one folder. A block of `text printed` holds parts of lines
-//! that the block before it prints, and `...` for others. A second word behind `sh` says what a block needs: `v10146` the files of that
-//! NHTSA test, any other word what no test has, such as a cluster.
+//! that the block before it prints, and `...` for others. A second word behind `sh` says what a block needs: `v10146`
+//! the files of that NHTSA test, any other word what no test has, such as a cluster.
 
 use std::fs;
 use std::os::unix::fs::symlink;
