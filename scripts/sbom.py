@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """The crates of the program as a CycloneDX 1.5 bill of materials: sbom.py TARGET < cargo metadata > sbom.json.
 
-Crates that only build scripts or tests use are left out. No clock, no random number: the same lock file, the same bytes.
+Crates that only build scripts or tests use are left out. No clock and no random number: the same lock file gives the
+same bytes.
 """
 
 import json

@@ -27,8 +27,10 @@ Paths = str | os.PathLike[str]
 Samples = Any  # a DataFrame, a Series, or what numpy takes for an array
 Quantity = float | str | None
 REMARK = ("code", "stage", "about", "weight", "text")
-PREDICTION = ("impact_speed_m_per_s", "mass_kg", "candidate", "dynamic_crush_m", "low", "high", "delta_v_m_per_s",
-              "peak_acceleration_m_per_s2", "extrapolates")
+PREDICTION = (
+    "impact_speed_m_per_s", "mass_kg", "candidate", "dynamic_crush_m", "low", "high", "delta_v_m_per_s",
+    "peak_acceleration_m_per_s2", "extrapolates",
+)
 
 
 class Remarks(list[Record]):
@@ -61,7 +63,8 @@ class Predictions(list[Record]):
 
 
 def _with_interval(one: Record) -> dict[str, Any]:
-    ends = next((known for known in one["intervals"] if known["name"] == "dynamic_crush_m"), {"low": None, "high": None})
+    of_crush = (known for known in one["intervals"] if known["name"] == "dynamic_crush_m")
+    ends = next(of_crush, {"low": None, "high": None})
     return {**one, "low": ends["low"], "high": ends["high"]}
 
 
@@ -185,8 +188,9 @@ class Run:
 
 
 def run(
-    record: Paths | Samples, *, dt: float | None = None, mass: Quantity = None, impact_speed: Quantity = None, out: Paths | None = None,
-    pipeline: Paths | Mapping[str, Any] | None = None, set: Mapping[str, object] | None = None, force: bool = False,
+    record: Paths | Samples, *, dt: float | None = None, mass: Quantity = None, impact_speed: Quantity = None,
+    out: Paths | None = None, pipeline: Paths | Mapping[str, Any] | None = None,
+    set: Mapping[str, object] | None = None, force: bool = False,
     **options: object,
 ) -> Run:
     """Runs a record through all stages: a file, a DataFrame, a Series, or an array of one acceleration.
