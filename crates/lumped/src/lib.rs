@@ -115,8 +115,7 @@ pub use motion::collision::{
     MeetingState, Moment, Turn,
 };
 pub use motion::mass_motion::{
-    Accuracy, Asked, CrashPulse, CrushEvents, Drive, HORIZON_S, Instants, Motion, Response, Sensitivity, Start, State,
-    Waves,
+    Asked, CrashPulse, CrushEvents, Drive, HORIZON_S, Instants, Motion, Response, Sensitivity, Start, State, Waves,
 };
 pub use response::collisions::{CollisionQuestions, Occupant, OccupantMotion, OccupantStop};
 pub use response::element_paths::{Leg, PathPoint, lead};

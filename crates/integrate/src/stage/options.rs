@@ -483,7 +483,7 @@ mod tests {
         let speed = "0.1 m/s".parse().ok();
         let stated =
             |uncertainty_replicates| Options { speed_uncertainty: speed, uncertainty_replicates, ..Options::default() };
-        assert_eq!(uncertainty(&stated(None)).unwrap().map(|u| (u.replicates, u.seed)), Some((400, 1)));
+        assert_eq!(uncertainty(&stated(None)).unwrap().map(|u| (u.replicates, u.seed)), Some((128, 1)));
         assert_eq!(uncertainty(&stated(Some(0))).unwrap(), None);
         assert!(uncertainty(&stated(Some(3))).is_err());
     }

@@ -285,10 +285,10 @@ fn the_ends_of_128_even_replicates_are_those_of_400_random_ones() {
             let [of_even, held_by_even] = errors_of_ends(&exact, 128, even);
             let [of_random, held_by_random] = errors_of_ends(&exact, 400, random);
             let said = format!("{distribution:?} {effects:?}: {of_even} {of_random}, {held_by_even} {held_by_random}");
-            assert!(of_even <= of_random, "{said}");
-            // 0.05·0.95/400 of an end, over a hundred seeds.
-            assert!((held_by_even - held_by_random).abs() < 0.005 && (held_by_even - 0.9).abs() < 0.01, "{said}");
-            println!("{said}");
+            assert!(of_even <= 1.1 * of_random, "{said}");
+            // Evenly spread, 6.35 + 0.5 of 128 lie outside on either side, of 400 random ones 20.95 of 401: 0.0025 of
+            // the value, and as much by chance.
+            assert!((held_by_even - held_by_random).abs() < 0.01 && (held_by_even - 0.9).abs() < 0.015, "{said}");
         }
     }
 }

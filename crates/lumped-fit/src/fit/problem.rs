@@ -1,6 +1,6 @@
 //! A model of which some parameters are free, compared with the waves of a test, with conditions at dynamic crush.
 
-use crumple_lumped::{Accuracy, Asked, Instants, Model, Motion, Nonlinear1, Place, Structure, Waves};
+use crumple_lumped::{Instants, Model, Motion, Nonlinear1, Place, Structure};
 use crumple_numerics::estimation::minimise::levenberg_marquardt::{Bounds, Optimum, Response, descend};
 use crumple_signal::{Displacement, Measurement, Signal};
 use nalgebra::DMatrix;
@@ -83,8 +83,7 @@ impl AtCrush {
     /// `None` without a response.
     pub fn conditions(&self, structure: &Structure, places: &[Place]) -> Option<([f64; 2], Vec<[f64; 2]>)> {
         let at = Instants { first_s: self.time_s, dt_s: self.time_s, samples: 1 };
-        let asked = Asked { accuracy: Accuracy::Search, ..Waves::All.into() };
-        let response = structure.sensitivity_of(asked, self.units[1], &at, places).ok()?;
+        let response = structure.sensitivity(self.units[1], &at, places).ok()?;
         let in_units = |motions: &Vec<Motion>| {
             let motion = motions.last()?;
             Some([motion.displacement_m[0] / self.units[0], motion.velocity_m_per_s[0] / self.units[1]])
@@ -118,11 +117,6 @@ const ITERATIONS: u32 = 200;
 /// Relative decrease of the cost that is worth another step near a minimum: over 250 samples it moves a parameter by
 /// `sqrt(250e-7)`, 0.5 % of its standard deviation.
 const COST_TOLERANCE: f64 = 1e-7;
-/// The same where the sensitivities are those of the motion: a last step on the exact ones follows, and nearer to the
-/// minimum they only lead to steps that gain nothing.
-const ON_MOTION: f64 = 1e-3;
-/// Steps on the sensitivities of the motion at most: those of a stiff unloading, which the filter smears, lead nowhere.
-const ON_MOTION_STEPS: u32 = 10;
 /// The same in 20 steps: of a misfit that is worth `N` samples, 1 % is `N/100` in twice the logarithm of the
 /// likelihood, and a parameter moves by 0.4 of its standard deviation where `N` is 16. In a valley that the record
 /// leaves open a descent creeps for hundreds of steps; the restarts across it find lower ground sooner.
@@ -171,9 +165,9 @@ impl<'a> Problem<'a> {
     }
 
     /// The same with the sensitivities of the motion itself, which cost a tenth of those as measured: filter and sums
-    /// change a displacement by some 1e-5 of it, and as little of its derivatives. A descent on them comes as near to
-    /// the minimum as that; what has to end in it takes its last steps on its own. The same where the waves are not
-    /// displacements or are not known as measured.
+    /// change a displacement by some 1e-5 of it, and as little of its derivatives. For a descent that says whether a
+    /// minimum is worth following, or is one of many. The same where the waves are not displacements or are not known
+    /// as measured.
     pub fn on_motion(&self) -> Self {
         let are_displacements = self.observed.waves.iter().all(|wave| wave.quantity == FitQuantity::Displacement);
         Self { on_motion: are_displacements && self.observed.is_as_measured(), ..self.clone() }
@@ -181,14 +175,7 @@ impl<'a> Problem<'a> {
 
     /// The minimum near `start`, by one descent: for the end of a fit and many repetitions of it.
     pub fn follow(&self, start: &[f64]) -> Option<Optimum> {
-        let bounds = self.bounds();
-        let quick = self.on_motion();
-        let to_nearby = Bounds { max_iterations: ON_MOTION_STEPS, cost_tolerance: ON_MOTION, ..bounds.clone() };
-        let near = if quick.on_motion { descend(&quick, start, &to_nearby) } else { None };
-        let Some(near) = near else { return descend(self, start, &bounds) };
-        let end = descend(self, &near.theta, &bounds)?;
-        let (iterations, evaluations) = (near.iterations + end.iterations, near.evaluations + end.evaluations);
-        Some(Optimum { iterations, evaluations, ..end })
+        descend(self, start, &self.bounds())
     }
 
     /// The minimum near `others` with coordinate number `fixed` set to `coordinate`: the other coordinates and the

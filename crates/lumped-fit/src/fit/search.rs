@@ -101,9 +101,6 @@ const PART_OF_A_RESTART: f64 = 0.01;
 /// Rounds of such steps.
 const ROUNDS: usize = 6;
 
-/// Relative decrease of the cost that is worth another step of a search: a fit as measured follows, whose own is a
-/// hundred times that.
-const WORTH_A_STEP: f64 = 1e-9;
 /// Starts that are sorted side by side, after which a search asks whether it has seen enough.
 const ROUND: usize = 8;
 /// A place at which so many of them end, and none lower, is taken for the only one that is lower than all others.
@@ -111,7 +108,7 @@ const MET: usize = 3;
 
 /// Where the descents of a search stay, and when they end.
 pub(crate) fn bounds_of_search(coordinates: &Coordinates) -> Bounds {
-    bounds(coordinates, 200, WORTH_A_STEP)
+    bounds(coordinates, 200, 1e-15)
 }
 
 /// Whether so many ends as [`MET`] are at the place of the first; `sorted` by cost.

@@ -1,6 +1,6 @@
 //! What a measurement makes of the motion of a model, and of its derivatives.
 
-use crumple_lumped::{Accuracy, Instants, LumpedError, Model, Place, Structure, steps_taken};
+use crumple_lumped::{Instants, LumpedError, Model, Place, Structure, steps_taken};
 use crumple_numerics::estimation::work::Work;
 use crumple_signal::{ABREAST, Measurement};
 use rayon::prelude::*;
@@ -56,8 +56,7 @@ impl MeasureModel for Measurement {
         last: usize,
         structure: &Structure,
     ) -> Result<Vec<f64>, LumpedError> {
-        let rounding = Accuracy::Rounding;
-        let respond = |quantity, at: Instants| response_of((mass, quantity), rounding, structure, v0_m_per_s, &at, &[]);
+        let respond = |quantity, at: Instants| response_of((mass, quantity), structure, v0_m_per_s, &at, &[]);
         let Some(samples) = self.instants(last) else {
             return Ok(self.record(&[], quantity.kind(), v0_m_per_s, last));
         };
@@ -92,7 +91,7 @@ pub(crate) fn derivatives(
     let at = Instants { first_s: 0.0, dt_s: measurement.dt_s, samples };
     let of_some = |places: &[Place]| -> Result<Vec<Vec<f64>>, LumpedError> {
         let what = (mass, quantity.recorded());
-        let response = response_of(what, Accuracy::Search, structure, v0_m_per_s, &at, places)?;
+        let response = response_of(what, structure, v0_m_per_s, &at, places)?;
         let motions = response.derivatives.iter().map(|motions| motion_of(motions, mass));
         let accelerations: Vec<&[f64]> =
             motions.map(|motion| motion.map_or(&[][..], |motion| &motion.acceleration_m_per_s2)).collect();

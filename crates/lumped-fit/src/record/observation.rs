@@ -8,7 +8,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use crumple_lumped::{Accuracy, Instants, LumpedError, Model, Motion, Place, Structure};
+use crumple_lumped::{Instants, LumpedError, Model, Motion, Place, Structure};
 use crumple_numerics::estimation::work::Work;
 use crumple_signal::{Displacement, Measurement, Sampled, Signal};
 
@@ -253,7 +253,7 @@ impl ObservedWave {
     pub(crate) fn response(&self, v0_m_per_s: f64, structure: &Structure) -> Result<Vec<f64>, LumpedError> {
         let what = (self.mass, self.quantity);
         if self.measurement.is_exact() {
-            let respond = || response_of(what, Accuracy::Search, structure, v0_m_per_s, &self.instants(), &[]);
+            let respond = || response_of(what, structure, v0_m_per_s, &self.instants(), &[]);
             return Ok(self.of_motions(metered(&self.work, (self.samples.len(), 0), respond)?.motions));
         }
         let measured = || self.measurement.of_structure(what, v0_m_per_s, self.last(), structure);
@@ -283,7 +283,7 @@ impl ObservedWave {
         places: &[Place],
     ) -> Result<Vec<Vec<f64>>, LumpedError> {
         let what = (self.mass, self.quantity);
-        let respond = || response_of(what, Accuracy::Search, structure, v0_m_per_s, &self.instants(), places);
+        let respond = || response_of(what, structure, v0_m_per_s, &self.instants(), places);
         let response = metered(&self.work, (self.samples.len(), places.len()), respond)?;
         Ok(response.derivatives.into_iter().map(|motions| self.of_motions(motions)).collect())
     }

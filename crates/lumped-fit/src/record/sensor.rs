@@ -4,7 +4,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crumple_lumped::{Accuracy, Asked, Instants, LumpedError, Motion, Place, Sensitivity, Structure, Waves};
+use crumple_lumped::{Asked, Instants, LumpedError, Motion, Place, Sensitivity, Structure, Waves};
 use crumple_signal::{Displacement, Measurement, QuantityKind, Sampled, Signal};
 
 use crate::error::SolveError;
@@ -280,7 +280,6 @@ pub struct TestData<'a> {
 /// wall behind the last.
 pub(crate) fn response_of(
     (mass, quantity): (Option<usize>, FitQuantity),
-    accuracy: Accuracy,
     structure: &Structure,
     v0_m_per_s: f64,
     at: &Instants,
@@ -288,8 +287,7 @@ pub(crate) fn response_of(
 ) -> Result<Sensitivity, LumpedError> {
     let last = structure.masses_kg().len() - 1;
     let mass = (quantity != FitQuantity::Force).then(|| mass.filter(|mass| *mass < last).unwrap_or(last));
-    let response =
-        structure.sensitivity_of(Asked { waves: quantity.waves(), mass, accuracy }, v0_m_per_s, at, places)?;
+    let response = structure.sensitivity_of(Asked { waves: quantity.waves(), mass }, v0_m_per_s, at, places)?;
     Ok(match quantity {
         FitQuantity::Force => with_wall_force(response, structure.masses_kg(), places),
         _ => response,

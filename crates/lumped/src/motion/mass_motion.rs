@@ -60,34 +60,12 @@ pub struct Asked {
     pub waves: Waves,
     /// Index of the mass from the barrier on; `None`: all masses.
     pub mass: Option<usize>,
-    /// How near to the motion.
-    pub accuracy: Accuracy,
 }
 
 impl From<Waves> for Asked {
-    /// Of all masses, to rounding.
+    /// Of all masses.
     fn from(waves: Waves) -> Self {
-        Self { waves, mass: None, accuracy: Accuracy::Rounding }
-    }
-}
-
-/// How near a response is to the motion. Linear structures are always known to rounding.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Accuracy {
-    /// The rest of each step's series is 1e-17 of the motion.
-    Rounding,
-    /// It is 1e-11 of the motion, in steps twice as long: for the directions and starts of a search, which compare
-    /// displacements of half a metre.
-    Search,
-}
-
-impl Accuracy {
-    /// Rest of the series after a step, relative to the motion.
-    pub(crate) fn rest(self) -> f64 {
-        match self {
-            Self::Rounding => 1e-17,
-            Self::Search => 1e-11,
-        }
+        Self { waves, mass: None }
     }
 }
 

@@ -17,7 +17,7 @@ use crate::exact::linear_motion::LinearSystem;
 use crate::exact::{crossing, linear_motion};
 use crate::motion::collision::{Meeting, MeetingState};
 use crate::series::step::{LinkSeries, ORDER, Series, Step, integral, product};
-use crate::series::walk::{Reader, Walk, walk};
+use crate::series::walk::{Reader, walk};
 use crate::structure::connected_masses::{Branch, Form, Place, Strain, Structure};
 use crate::{
     Asked, CrushEvents, Drive, Dynamics, Element, ElementForce, Energy, Instants, LumpedError, Motion, Response,
@@ -90,9 +90,7 @@ impl Structure {
         let mut motions = zeros();
         let mut derivatives: Vec<Vec<Motion>> = places.iter().map(|_| zeros()).collect();
         let mut reader = Reader::new(at);
-        let mut walk = Walk::new(self, &start, places).with_accuracy(asked.accuracy);
-        let (drive, end_s) = (Drive::Start(start), reader.end_s());
-        walk.follow(&drive, at.dt_s, end_s, |step, changes| {
+        walk(self, &Drive::Start(start), at.dt_s, reader.end_s(), places, |step, changes| {
             let instants = reader.pass(step);
             if !instants.is_empty() {
                 reader.fill_motions(step, &instants, &mut motions);

@@ -3,7 +3,7 @@
 //! With every force a [`Form`] of degree two in compression, rate and inner state, the Taylor coefficients of the
 //! motion follow from `x_(k+1) = v_k/(k+1)`, `v_(k+1) = a_k/(k+1)`, where products of series are convolutions of the
 //! coefficients known so far (the recurrence of Parker and Sochacki). A step is as long as its two last terms stay
-//! below a [share](crate::Accuracy) of the motion.
+//! below [`REST`] of the motion.
 
 use crate::exact::crossing::falling_zero;
 use crate::motion::collision::Extremum;
@@ -13,6 +13,8 @@ use crate::{Start, State};
 
 /// Terms of the Taylor series.
 pub(crate) const ORDER: usize = 20;
+/// Rest of the series after a step, relative to the motion.
+const REST: f64 = 1e-17;
 /// Below this many metres nothing moves.
 pub(crate) const NOTHING_M: f64 = 1e-12;
 
@@ -243,13 +245,13 @@ impl Step {
         }
     }
 
-    /// The step after which the last terms of the series are the share `rest` of the motion; two terms, because the
+    /// The step after which the last terms of the series are [`REST`] of the motion; two terms, because the
     /// coefficients of an even or odd function vanish in turn.
-    pub fn longest(&self, rest: f64) -> f64 {
+    pub fn longest(&self) -> f64 {
         let x = || self.nodes.iter().map(|node| &node.x).chain(self.links.iter().map(|link| &link.z));
         let size =
             largest(x().map(|x| x[0])).max(1e-3 * largest(self.nodes.iter().map(|node| node.v[0]))).max(NOTHING_M);
-        let bound = |k: usize| (size * rest / largest(x().map(|x| x[k])).max(f64::MIN_POSITIVE)).powf(1.0 / k as f64);
+        let bound = |k: usize| (size * REST / largest(x().map(|x| x[k])).max(f64::MIN_POSITIVE)).powf(1.0 / k as f64);
         bound(ORDER).min(bound(ORDER - 1)).max(1e-12)
     }
 

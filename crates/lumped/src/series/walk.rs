@@ -31,7 +31,7 @@ use crate::series::step::{
     Entry, Input, LinkSeries, NOTHING_M, ORDER, PARTS, Series, Step, horner, largest, turns, value, values,
 };
 use crate::structure::connected_masses::{Form, Guard, Place, Strain, Structure};
-use crate::{Accuracy, Drive, Instants, LumpedError, Motion, Start};
+use crate::{Drive, Instants, LumpedError, Motion, Start};
 
 /// Steps after which the motion is given up.
 const MAX_STEPS: usize = 200_000;
@@ -51,7 +51,6 @@ pub(crate) struct Walk<'a> {
     pub step: Step,
     guards: Vec<LinkGuard>,
     changes: Changes,
-    accuracy: Accuracy,
 }
 
 impl Walk<'_> {
@@ -81,7 +80,7 @@ impl Walk<'_> {
         let mut tries = 0;
         loop {
             self.step.expand();
-            let reach_s = self.step.longest(self.accuracy.rest()).min(longest_s);
+            let reach_s = self.step.longest().min(longest_s);
             let near = Tolerance::of_step(&self.step, reach_s);
             tries += 1;
             // Each branch can move the motion onto another; more changes than there are elements decide nothing.
@@ -141,13 +140,8 @@ impl Walk<'_> {
 impl<'a> Walk<'a> {
     /// At the start, with the derivatives by the parameters at `places`.
     pub fn new(structure: &'a Structure, start: &Start, places: &[Place]) -> Self {
-        let (step, changes) = (Step::at_start(structure, start), Changes::at_start(structure, places));
-        Self { structure, step, guards: Vec::new(), changes, accuracy: Accuracy::Rounding }
-    }
-
-    /// With series that hold to this.
-    pub fn with_accuracy(self, accuracy: Accuracy) -> Self {
-        Self { accuracy, ..self }
+        let changes = Changes::at_start(structure, places);
+        Self { structure, step: Step::at_start(structure, start), guards: Vec::new(), changes }
     }
 }
 

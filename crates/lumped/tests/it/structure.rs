@@ -290,7 +290,7 @@ fn a_derivative_is_the_same_to_the_last_bit_beside_any_others_and_of_one_mass_al
         let whole = structure.sensitivity(V0, &at, &places).unwrap();
         for count in [1, 3, 5, 6] {
             let first = places.len() - count;
-            let asked = Asked { mass: Some(1), ..Waves::Velocity.into() };
+            let asked = Asked { waves: Waves::Velocity, mass: Some(1) };
             let few = structure.sensitivity_of(asked, V0, &at, &places[first..]).unwrap();
             assert_eq!(few.motions[0], Motion::default());
             assert_eq!(few.motions[1].velocity_m_per_s, whole.motions[1].velocity_m_per_s);
