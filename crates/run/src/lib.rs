@@ -22,6 +22,7 @@ mod export {
 
     pub mod layouts;
     pub mod program;
+    mod us_units;
     pub mod view;
     pub mod view_file;
     pub mod waves;
