@@ -12,11 +12,12 @@ use std::process::{Command, Output};
 const CRUMPLE: &str = env!("CARGO_BIN_EXE_crumple");
 
 /// Every word that stands for a program, and those behind one.
-const WORDS: [&str; 35] = [
+const WORDS: [&str; 36] = [
     "demo",
     "run",
     "together",
     "fleet",
+    "watch",
     "study",
     "export",
     "view",
