@@ -102,9 +102,11 @@ fn every_number_follows_the_units_of_the_reader_and_no_file_for_scripts_does() {
     assert_us("compare, console", &done(at, &["compare", run, "runs/heavy", "--display", "us"]));
     assert_us("compare", &text(&read("compare.html")));
     fs::create_dir(at.join("tests")).unwrap();
-    for name in ["a", "b"] {
-        fs::write(at.join(format!("tests/{name}.csv")), read("crumple-demo.csv") + &format!("# {name}\n")).unwrap();
-    }
+    let record = read("crumple-demo.csv");
+    // Another record: without its last sample.
+    let shorter = record.trim_end().rsplit_once('\n').unwrap().0;
+    fs::write(at.join("tests/a.csv"), &record).unwrap();
+    fs::write(at.join("tests/b.csv"), shorter).unwrap();
     done(at, &["fleet", "tests", "--display", "us"]);
     assert_us("fleet", &text(&read("runs/fleet/tests/fleet.html")));
     let other = crumple(at, &["run", "crumple-demo.csv", "--set", "report.display=imperial"]);
