@@ -9,7 +9,10 @@ const STEM = /\.[^.]*$/;
 const MAIN = /\.(ev5|mme|tdm)$/i;
 // The usual settings, by stage and key; the program says what each takes.
 const USUAL = [["ingest", "mass", "Mass of the vehicle"], ["ingest", "impact_speed", "Impact speed"], ["ingest", "channel", "Channel of the pulse"],
-  ["ingest", "unit", "Unit of acceleration"], ["ingest", "time_zero", "Time of first contact"], ["filter", "cfc", "Filter class"], ["parameter-solve", "models", "Models"]];
+  ["ingest", "unit", "Unit of acceleration"], ["ingest", "time_zero", "Time of first contact"], ["filter", "cfc", "Filter class"], ["parameter-solve", "models", "Models"],
+  ["report", "display", "Units of the report"]];
+// What a record may lack: its fields stand open, and the answer follows them.
+const LACKED = ["mass", "impact_speed"];
 
 // One line a stage: what it reads, what it writes.
 const chain = text("chain").split("\n").filter((line) => line && !line.startsWith("#")).map((line) => {
@@ -26,6 +29,7 @@ let clock;
 // Fields of the form, and the flags that they come to, by stage.
 let fields = [];
 let flags = {};
+let answering = false;
 
 function show(state, message = "") {
   html.dataset.state = state;
@@ -159,13 +163,14 @@ async function makeFields() {
     const { flag, about, values, many } = known[stage].find((option) => option.key === key);
     const input = document.createElement(values.length || key === "channel" ? "select" : "input");
     const [label, output, place] = [line("label", name), line("output", ""), line("p", "")];
-    Object.assign(input, { id: key, multiple: many, autocomplete: "off" }, many && { size: values.length });
-    input.append(...values.map((value) => new Option(value)));
+    Object.assign(input, { id: key, name: key, multiple: many, autocomplete: "off" }, many && { size: values.length });
+    input.append(...(many || !values.length ? [] : [new Option("")]), ...values.map((value) => new Option(value)));
     input.setAttribute("aria-describedby", `${key}-about ${key}-error`);
     Object.assign(output, { id: `${key}-error` });
     label.htmlFor = output.htmlFor = key;
     place.replaceChildren(label, input, Object.assign(line("small", about), { id: `${key}-about` }), output);
     element("fields").append(place);
+    if (LACKED.includes(key)) input.addEventListener("change", () => html.dataset.state === "done" && element("form").requestSubmit());
     return { stage, flag, input, output, place };
   });
 }
@@ -210,6 +215,13 @@ async function showPulse(artifact) {
 // Runs with the fields as they are; each value is checked by the program, its words stand at the field.
 async function answer(event) {
   event.preventDefault();
+  // A field that is left by Enter changes and submits.
+  if (answering) return;
+  answering = true;
+  await answerOnce().finally(() => (answering = false));
+}
+
+async function answerOnce() {
   const asked = fields.filter(({ place, output }) => ((output.textContent = ""), !place.hidden));
   const wrong = [];
   const typed = { ingest: [] };
@@ -291,6 +303,8 @@ async function showReport(path) {
   if (history.state !== "done") history.pushState("done", "");
   ask(USUAL.map(([, key]) => key));
   element("settings").hidden = Boolean(record.folders);
+  const { mass_kg: mass, impact_speed_m_per_s: speed } = record.test ?? {};
+  element("settings").open = !record.folders && (mass == null || speed == null);
   show("done", `${record.path}: done`);
 }
 

@@ -99,6 +99,14 @@ const EXAMPLES: &[(&str, [Example; 3])] = &[
         ],
     ),
     (
+        "watch",
+        [
+            ("every record that arrives", "watch tests"),
+            ("a look every ten seconds, without a summary", "watch tests --every 10s --quiet"),
+            ("with what no record states", "watch tests -- --mass 1400kg --impact-speed 56km/h"),
+        ],
+    ),
+    (
         "study",
         [
             ("all records of a folder", "study tests"),

@@ -19,7 +19,11 @@ pub const GROUPS: [Group; 5] = [
         commands: &["demo", "run", "predict", "notes", "explain", "curve", "damage"],
         is_for_few: false,
     },
-    Group { title: "Several tests", commands: &["compare", "together", "fleet", "study", "index"], is_for_few: false },
+    Group {
+        title: "Several tests",
+        commands: &["compare", "together", "fleet", "watch", "study", "index"],
+        is_for_few: false,
+    },
     Group {
         title: "Review, and other programs",
         commands: &["diff", "accept", "check", "passport", "export", "view"],

@@ -60,6 +60,8 @@ static OTHERS: &[Program] = &[
     #[cfg(feature = "run")]
     crumple_run::STUDY,
     #[cfg(feature = "run")]
+    crumple_run::WATCH,
+    #[cfg(feature = "run")]
     crumple_run::EXPORT,
     #[cfg(feature = "run")]
     crumple_run::VIEW,

@@ -1,5 +1,6 @@
 //! What is around every page and every table: head, style, script, what the browser may load, heads of columns.
 
+use crumple_signal::display::unit_shown;
 use serde::Serialize;
 
 use crate::drawing::escape::{address, html, json_in_script};
@@ -81,6 +82,7 @@ pub(crate) fn json_element(id: &str, data: &impl Serialize) -> String {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Column<'a> {
     text: &'a str,
+    unit: &'static str,
     class: &'static str,
     definition: &'a str,
 }
@@ -88,12 +90,17 @@ pub(crate) struct Column<'a> {
 impl<'a> Column<'a> {
     /// Over texts.
     pub(crate) const fn text(text: &'a str) -> Self {
-        Self { text, class: "", definition: "" }
+        Self { text, unit: "", class: "", definition: "" }
     }
 
     /// Over numbers, at the right.
     pub(crate) const fn number(text: &'a str) -> Self {
-        Self { text, class: " class=\"n\"", definition: "" }
+        Self { text, unit: "", class: " class=\"n\"", definition: "" }
+    }
+
+    /// With the unit that metric pages have; [`words::cell`](crate::words::cell) shows a number below it.
+    pub(crate) const fn of(self, unit: &'static str) -> Self {
+        Self { unit, ..self }
     }
 
     /// With what it means.
@@ -105,7 +112,13 @@ impl<'a> Column<'a> {
 /// Cells of a head. Texts are HTML.
 pub(crate) fn heads(columns: &[Column]) -> String {
     let cell = |column: &Column| {
-        let Column { text, class, definition } = column;
+        let Column { text, unit, class, definition } = column;
+        let unit = unit_shown(unit);
+        let text = match (text.is_empty(), unit.is_empty()) {
+            (true, _) => unit.to_owned(),
+            (_, true) => (*text).to_owned(),
+            _ => format!("{text}, {unit}"),
+        };
         match definition.is_empty() {
             true => format!("<th scope=\"col\"{class}>{text}</th>"),
             false => format!("<th scope=\"col\"{class}><abbr tabindex=\"0\" title=\"{definition}\">{text}</abbr></th>"),

@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use crumple_signal::Sampled;
+use crumple_signal::display::sentence;
 
 use crate::drawing::escape::{address, html};
 use crate::drawing::{Drawing, Entry, Figure, sparkline, swatch};
-use crate::findings::{Concern, ResultStatus, Status, Summary};
+use crate::findings::{ResultStatus, Status, Summary};
 use crate::findings::{capitalised, model_name};
 use crate::frame::framed;
 use crate::run_numbers::{CRUSH, DELTA_V, MASS, OLC, PEAK, RESTITUTION, RunNumber, SPEED, STIFFNESS, TIME_OF_CRUSH};
@@ -92,7 +93,7 @@ impl RunIndex<'_> {
             let numbers: String =
                 IN_TERMINAL.iter().map(|quantity| in_column(quantity, &shown(number(quantity)))).collect();
             let said = match run.summary.filter(|_| run.is_done()) {
-                Some(summary) => summary.verdict.status_sentence.clone(),
+                Some(summary) => sentence(&summary.verdict.status_sentence).into_owned(),
                 None => format!("{}: {}", status(run.exit_code), run.first_warning()),
             };
             format!("{:<width$}{numbers}  {said}", shortened(&run.name, LONGEST_NAME - 1))
@@ -171,7 +172,7 @@ fn failures(runs: &[IndexedRun<'_>]) -> String {
     for (code, runs) in groups {
         out.push_str(&format!("<details><summary>{} × {}</summary><ul>\n", runs.len(), status(code)));
         for run in runs.iter().take(NAMED) {
-            let reason = html(&shortened(run.reason(), SHOWN));
+            let reason = html(&shortened(&sentence(run.reason()), SHOWN));
             out.push_str(&format!("<li>{}: {reason}</li>\n", run.linked()));
         }
         if runs.len() > NAMED {
@@ -231,8 +232,8 @@ impl IndexedRun<'_> {
     /// Its first warning, or why it has no result.
     fn first_warning(&self) -> String {
         match self.summary.and_then(|summary| summary.concerns.first()) {
-            _ if !self.is_done() => self.reason().lines().next().unwrap_or_default().to_owned(),
-            concern => concern.map(Concern::with_code).unwrap_or_default(),
+            _ if !self.is_done() => sentence(self.reason().lines().next().unwrap_or_default()).into_owned(),
+            concern => concern.map_or_else(String::new, |concern| sentence(&concern.with_code()).into_owned()),
         }
     }
 
@@ -342,7 +343,7 @@ fn row(out: &mut String, run: &IndexedRun<'_>, several: bool) {
             let model = summary.usable().map(|candidate| model_name(&candidate.model, &candidate.parameters));
             let model = model.map_or_else(|| "none".to_owned(), |model| capitalised(&model));
             let answers = summary.verdict.answers().map(|(label, text)| format!("{label}: {text}"));
-            let title = Vec::from_iter(std::iter::once(reason.to_owned()).chain(answers)).join("; ");
+            let title = Vec::from_iter(std::iter::once(sentence(reason).into_owned()).chain(answers)).join("; ");
             let (class, word) = summary.verdict.status.map_or(("none", ""), |status| (class_of(status), status.word()));
             write!(out, "<td class={class} title=\"{}\">{word}<td>{}", html(&title), html(&model))
         }

@@ -24,7 +24,7 @@ impl Deref for RunNumber {
 impl RunNumber {
     /// Its value in the unit of people.
     pub fn value(&self, summary: &Summary) -> Option<f64> {
-        Some(self.factor * (self.of)(summary)?)
+        Some(self.shown().0 * (self.of)(summary)?)
     }
 }
 

@@ -3,12 +3,14 @@
 use crate::drawing::numbers::{self, LONG_S, MILLI, NBSP, digits_of_interval};
 pub use crate::drawing::numbers::{Rounding, at_most, decimals, signed, significant};
 use crumple_artifact::records::IntervalSourceV1;
+use crumple_signal::display::{decimals_shown, factor_shown, shown as in_display, unit_shown};
 use crumple_signal::key_quantities::KeyQuantity;
 
 /// Name in a record, name where that is not the name of the record with blanks.
-const NAMES: [(&str, &str); 3] = [
+const NAMES: [(&str, &str); 4] = [
     ("clip_3ms_contiguous", "3 ms clip, contiguous"),
     ("clip_3ms_cumulative", "3 ms clip, cumulative"),
+    ("energy_equivalent_speed", "energy equivalent speed (EES, BEV)"),
     ("recorded_ees", "EES"),
 ];
 
@@ -39,19 +41,36 @@ pub fn value(value: f64, si: &str) -> String {
     with_unit(significant(factor * value, 4), unit)
 }
 
-/// A number with so many decimals and its unit: `749.9 mm`.
+/// A number with so many decimals and its unit, which metric pages have: `749.9 mm`, to a reader of inches `29.52 in`.
 pub fn quantity(value: f64, places: usize, unit: &str) -> String {
-    with_unit(decimals(value, places), unit)
+    with_unit(cell(value, places, unit), unit_shown(unit))
+}
+
+/// The number of [`quantity`] alone, below the head of its column.
+pub fn cell(value: f64, places: usize, unit: &str) -> String {
+    decimals(factor_shown(unit) * value, decimals_shown(places, unit))
+}
+
+/// The same with its sign.
+pub fn signed_cell(value: f64, places: usize, unit: &str) -> String {
+    signed(factor_shown(unit) * value, decimals_shown(places, unit))
+}
+
+/// A number with so many significant digits and its unit: `656 kN`.
+pub fn significant_quantity(value: f64, digits: usize, unit: &str) -> String {
+    with_unit(significant(factor_shown(unit) * value, digits), unit_shown(unit))
 }
 
 /// A value in SI by the digits that its interval supports, if it has one, and with so many decimals at most: `749 mm`,
 /// `700 mm` of 500 to 900. `shown`: factor to the unit, decimals, unit.
-pub fn rounded(value: f64, ends: Option<(f64, f64)>, shown: (f64, usize, &str)) -> String {
+pub fn rounded(value: f64, ends: Option<(f64, f64)>, shown: (f64, usize, &'static str)) -> String {
+    let shown = in_display(shown);
     with_unit(rounding(ends, shown).show(shown.0 * value), shown.2)
 }
 
 /// Ends of an interval or of a spread, SI, rounded as the value: `741 to 759`.
-pub fn ends((low, high): (f64, f64), interval: Option<(f64, f64)>, shown: (f64, usize, &str)) -> String {
+pub fn ends((low, high): (f64, f64), interval: Option<(f64, f64)>, shown: (f64, usize, &'static str)) -> String {
+    let shown = in_display(shown);
     let [low, high] = [low, high].map(|end| rounding(interval, shown).show(shown.0 * end));
     between(&low, &high)
 }
@@ -84,7 +103,7 @@ pub fn value_and_range(value: f64, (low, high): (f64, f64), si: &str) -> [String
 
 /// A deviation with its sign and its unit.
 pub fn deviation(value: f64, places: usize, unit: &str) -> String {
-    with_unit(signed(value, places), unit)
+    with_unit(signed_cell(value, places, unit), unit_shown(unit))
 }
 
 /// Two values in SI in the unit people use: `741.2 to 759.3 mm`.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf, is_separator};
 
 use anyhow::Context;
 use clap::{Arg, ArgMatches, CommandFactory, FromArgMatches};
-use crumple_stage::{Call, ChainStage, Usage, by_way, chain, is_shared_flag};
+use crumple_stage::{Call, ChainStage, DisplayFlag, Usage, by_way, chain, is_shared_flag};
 
 use crate::fail_on::FailOn;
 use crate::names::{PIPELINE_OF_A_RUN, folder_of_record};
@@ -69,6 +69,9 @@ pub struct Options {
     /// Open the report when the run is over.
     #[arg(long)]
     pub(crate) open: bool,
+
+    #[command(flatten)]
+    pub(crate) display: DisplayFlag,
 
     #[command(flatten)]
     pub(crate) programs: NamedPrograms,
@@ -365,6 +368,10 @@ pub(crate) fn stages_of(
     let mut stages = used.into_iter().map(with_program).collect::<anyhow::Result<Vec<Stage>>>()?;
     if let Some(last) = stages.last_mut() {
         last.program.flags.extend_from_slice(&options.flags_of_last);
+    }
+    if again {
+        // Predictions are printed, and the report is written, in the units that are asked for now.
+        stages.iter_mut().for_each(|stage| stage.program.flags.extend(options.display.words()));
     }
     Ok((stages, left_out))
 }

@@ -13,7 +13,7 @@ use clap::Parser;
 use crumple_lumped::{CrushedStructure, Instants, LumpedError};
 use crumple_numerics::estimation::random::RandomNumbers;
 use crumple_signal::STANDARD_GRAVITY_M_PER_S2;
-use crumple_stage::{ExitStatus, Usage, say};
+use crumple_stage::{DisplayFlag, ExitStatus, Usage, say};
 
 use crate::command::Options;
 
@@ -32,6 +32,9 @@ pub struct DemoOptions {
     /// Open the report.
     #[arg(long)]
     open: bool,
+
+    #[command(flatten)]
+    display: DisplayFlag,
 
     /// No summary and no progress.
     #[arg(short, long)]
@@ -70,7 +73,9 @@ pub(crate) fn demo(options: &DemoOptions) -> anyhow::Result<ExitStatus> {
     }
     let flags = [("--open", options.open), ("--quiet", options.quiet)];
     let flags = flags.iter().filter(|(_, is_given)| *is_given).map(|(flag, _)| *flag);
-    let words = ["crumple-run"].into_iter().chain(flags).chain(["--", RECORD]);
+    let display = options.display.words();
+    let display = display.iter().map(String::as_str);
+    let words = ["crumple-run"].into_iter().chain(flags).chain(display).chain(["--", RECORD]);
     crate::run::run(Options::try_parse_from(words)?)
 }
 

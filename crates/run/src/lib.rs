@@ -24,6 +24,7 @@ mod export {
     pub mod layouts;
     pub mod modelica;
     pub mod program;
+    mod us_units;
     pub mod view;
     pub mod view_file;
     pub mod waves;
@@ -96,6 +97,8 @@ pub const TOGETHER: Program = Program::of_tool::<TogetherOptions>("together", |c
 pub const FLEET: Program = Program::of_tool::<fleet::Options>("fleet", |call| run_tool(call, fleet::fleet));
 /// `crumple-study`: what a fleet says of its vehicles.
 pub const STUDY: Program = Program::of_tool::<fleet::StudyOptions>("study", |call| run_tool(call, fleet::study));
+/// `crumple watch`: a folder that records arrive in.
+pub const WATCH: Program = Program::of_tool::<fleet::WatchOptions>("watch", |call| run_tool(call, fleet::watch));
 /// `crumple-export`: a run as tables.
 pub const EXPORT: Program =
     Program::of_tool::<export::program::ExportOptions>("export", |call| run_tool(call, export::program::export));

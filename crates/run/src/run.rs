@@ -34,6 +34,9 @@ pub fn run(mut options: Options) -> anyhow::Result<ExitStatus> {
         options.flags.0.push(limit);
     }
     options.take_own()?;
+    if options.again.is_none() {
+        options.set.extend(options.display.as_set());
+    }
     refuse_no_record(&options)?;
     if options.asks_for_information() {
         return information(&options);
@@ -244,6 +247,7 @@ fn predict_joint(made: &Path, options: &Options) -> anyhow::Result<ExitStatus> {
     let mut arguments: Vec<OsString> = vec!["--again".into(), made.into(), "--project".into()];
     arguments.push(options.project.clone().into());
     arguments.extend(["--pipeline".into(), OsString::from(&options.pipeline)]);
+    arguments.extend(options.display.words().into_iter().map(OsString::from));
     arguments.extend(options.programs.arguments());
     arguments.extend(["--flags".into(), options.flags.to_string().into(), "--".into()]);
     arguments.extend_from_slice(&options.record);

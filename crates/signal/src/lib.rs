@@ -54,6 +54,7 @@ mod samples;
 mod summation;
 mod units {
     //! Quantities, their units, values that a person types with a unit, and stated uncertainties.
+    pub mod display;
     pub mod gravity;
     pub mod key_quantities;
     pub mod quantity;
@@ -85,6 +86,7 @@ pub use summation::{
     IntegrationRule, REMARKS as DERIVATIVE_REMARKS, acceleration_of_velocity_change, derivative_note, integrate_twice,
     integrate_twice_into, printed_step_m_per_s,
 };
+pub use units::display::{self, Display};
 pub use units::gravity::STANDARD_GRAVITY_M_PER_S2;
 pub use units::quantity::{Acceleration, Displacement, Force, Quantity, QuantityKind, Velocity};
 pub use units::uncertain::{Distribution, HALF_OF_90_PERCENT, Spread, Uncertain};

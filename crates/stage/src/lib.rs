@@ -16,6 +16,7 @@ mod command_line {
     //! Flags that all stages have, and the table of a pipeline file under them.
 
     pub mod args;
+    pub mod display_flag;
     pub mod left_out;
     pub mod of_runs;
     pub mod pipeline;
@@ -36,6 +37,7 @@ pub use artifacts::output::{Output, SummaryLine, artifacts_of_a_run, refuse_to_o
 pub use artifacts::remarks::{is_no_result, remark_on_model, remarks_of, remarks_of_model};
 pub use chain_table::{MassOfTable, NumberOfTable, TakenNumbers, read_chain, total_mass_remark, typed};
 pub use command_line::args::{is_shared_flag, keep_budget, memory_limit_flag};
+pub use command_line::display_flag::DisplayFlag;
 pub use command_line::left_out::LeftOut;
 pub use command_line::pipeline::pipeline_table;
 pub use command_line::pipeline_file::Pipeline;

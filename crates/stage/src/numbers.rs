@@ -1,5 +1,6 @@
 //! Numbers as crash engineers write them: g, km/h, mm, ms, kN.
 
+use crumple_signal::display::{factor_shown, unit_shown};
 pub use crumple_signal::key_quantities::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI};
 
 /// What stands where a record does not show a value.
@@ -213,10 +214,17 @@ pub fn at_most(value: f64, places: usize) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
-/// The unit people use for an SI unit, and the factor to it.
+/// The unit people use for an SI unit, and the factor to it: metric, or that of [`Display::now`].
 ///
 /// A unit that is not known stays as it is.
+///
+/// [`Display::now`]: crumple_signal::Display::now
 pub fn unit(si: &str) -> (f64, &str) {
+    let (factor, unit) = metric_unit(si);
+    (factor * factor_shown(unit), unit_shown(unit))
+}
+
+fn metric_unit(si: &str) -> (f64, &str) {
     match si {
         "m/s^2" => (G_PER_M_PER_S2, "g"),
         "m/s" => (KM_PER_H_PER_M_PER_S, "km/h"),

@@ -192,3 +192,53 @@ fn completion_knows_flags_of_ingest_keys_of_stages_names_of_pipelines_and_comman
         assert!(["impact-speed", "filter.cfc=", "unfiltered"].iter().all(|word| script.contains(word)), "{shell}");
     }
 }
+
+/// Ends a watcher whatever happens.
+#[cfg(unix)]
+struct Watcher(std::process::Child);
+
+#[cfg(unix)]
+impl Drop for Watcher {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn what_arrives_in_a_folder_is_run_a_bad_file_does_not_stop_it_and_an_interruption_does() {
+    use std::os::unix::process::ExitStatusExt;
+    use std::time::{Duration, Instant};
+
+    let folder = crate::with_record("elastoplastic");
+    let inbox = folder.path().join("inbox");
+    fs::create_dir(&inbox).unwrap();
+    fs::write(inbox.join("bad.csv"), "time_s,accel_g\n0,0\n1,abc\n2,0\n3,0\n").unwrap();
+    let log = fs::File::create(folder.path().join("log")).unwrap();
+    let mut command = Command::new(CRUMPLE);
+    command.args(["watch", "inbox", "--every", "200ms"]).current_dir(folder.path()).stderr(log);
+    let mut watcher = Watcher(command.stdout(std::process::Stdio::null()).spawn().unwrap());
+    let said = || fs::read_to_string(folder.path().join("log")).unwrap();
+    // Of a machine at work: a run takes a second or two.
+    let until = |what: &str, is_there: &dyn Fn() -> bool| {
+        let started = Instant::now();
+        while !is_there() {
+            assert!(started.elapsed() < Duration::from_secs(120), "no {what}: {}", said());
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    };
+    until("refusal", &|| said().contains("bad.csv ended with exit code 3; watching goes on"));
+    fs::copy(folder.path().join("crash.csv"), inbox.join("good.csv")).unwrap();
+    let run = folder.path().join("runs/good/default");
+    until("report", &|| run.join("report.html").is_file() && run.join("0-pipeline.toml").is_file());
+    until("summary", &|| run.join("summary.json").is_file());
+    // The next look: the run is over.
+    std::thread::sleep(Duration::from_secs(1));
+    let pid = watcher.0.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
+    let ended = watcher.0.wait().unwrap();
+    assert_eq!(ended.signal(), Some(2), "{ended:?}");
+    let checked = crumple(folder.path(), &["run", "inbox/good.csv"]);
+    assert!(stderr(&checked).contains("up to date"), "{}", stderr(&checked));
+}

@@ -98,7 +98,7 @@ impl Stage for Predict {
         let marks = !settings.asked_speeds_m_per_s.is_empty();
         let is_chosen = settings.candidates.is_empty() && choice.is_some();
         let first = named.first().map(|named| named.place).filter(|_| is_chosen);
-        out.summary(header(marks));
+        settings.display.during(|| out.summary(header(marks)));
         let mut rows = Vec::new();
         for (place, (scenario, of_named)) in scenarios.iter().zip(predictions).enumerate() {
             // The impact of the other test comes last.
@@ -121,15 +121,17 @@ impl Stage for Predict {
                 // Who named no candidate reads the one that is meant for it; all are in the artifact.
                 if first.is_none_or(|first| first == name.place) {
                     let asked = marks.then(|| settings.asks_for(scenario.speed_m_per_s));
-                    out.summary(line(&record, asked));
-                    partner_and_occupant(&record).into_iter().for_each(|line| out.summary(line));
+                    settings.display.during(|| {
+                        out.summary(line(&record, asked));
+                        partner_and_occupant(&record).into_iter().for_each(|line| out.summary(line));
+                    });
                 }
                 record.against.iter().for_each(|against| out.summary(beside_in_words(against)));
                 write_waves(n, prediction.wave, out)?;
                 rows.push(Row { speed_m_per_s: scenario.speed_m_per_s, record });
             }
         }
-        what_if(&rows).into_iter().for_each(|line| out.summary(line));
+        settings.display.during(|| what_if(&rows).into_iter().for_each(|line| out.summary(line)));
         Ok(if rows.is_empty() {
             out.no_result("no impact could be predicted", "the notes of the run say what each impact met")
         } else {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::Inputs;
 use crumple_signal::value::{Mass, Speed};
-use crumple_signal::{Spread, Uncertain};
+use crumple_signal::{Display, Spread, Uncertain};
 use crumple_stage::Usage;
 use serde::{Deserialize, Serialize};
 
@@ -79,6 +79,10 @@ pub struct Options {
     /// predictions: above 1 it widens all intervals [default: none was left out]
     #[arg(long, value_name = "RATIO")]
     pub left_out: Option<f64>,
+
+    /// Units of the printed table: si, or us (mph, in, lb) [default: si]
+    #[arg(long, value_name = "UNITS", value_parser = ["si", "us"])]
+    pub display: Option<String>,
 }
 
 /// Options with every default filled in.
@@ -100,6 +104,9 @@ pub struct Settings {
     /// The digests of its artifacts are among those of the inputs.
     #[serde(skip)]
     pub against: Option<PathBuf>,
+    /// Units of the printed table.
+    #[serde(skip)]
+    pub display: Display,
     /// Whether a range came without a unit.
     #[serde(skip)]
     pub taken_as_km_per_h: bool,
@@ -144,6 +151,7 @@ impl Settings {
             speeds_m_per_s: all.0,
             asked_speeds_m_per_s: asked,
             closing_speeds_m_per_s: closing.0,
+            display: options.display.as_deref().map(read_display).transpose()?.unwrap_or_default(),
             taken_as_km_per_h: all.1 || closing.1,
             partner: partner(&options)?,
             occupant: options.occupant.as_ref().map(occupant).transpose()?,
@@ -178,6 +186,10 @@ impl Settings {
             left_out: self.left_out.unwrap_or(0.0),
         }
     }
+}
+
+fn read_display(text: &str) -> Result<Display, Usage> {
+    text.parse().map_err(|error| Usage::new(format!("display: {error}")))
 }
 
 /// All speeds of several texts, rising, and whether a range came without a unit.

@@ -1,11 +1,13 @@
-//! Predictions as lines for a person.
+//! Predictions as lines for a person, in the units that are shown.
 
+use crumple_signal::display::{shown, unit_shown};
 use crumple_signal::key_quantities::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
 use crumple_stage::numbers::Rounding;
 use crumple_stage::records::PredictionV1;
 
 /// A number of a record in the unit of its column, with the digits that its interval supports; `-` where there is none.
-fn number(record: &PredictionV1, name: &str, value: Option<f64>, (factor, decimals): (f64, usize)) -> String {
+fn number(record: &PredictionV1, name: &str, value: Option<f64>, metric: Metric) -> String {
+    let (factor, decimals, _) = shown(metric);
     value.map_or_else(|| "-".to_owned(), |value| rounding(record, name, (factor, decimals)).show(factor * value))
 }
 
@@ -14,8 +16,25 @@ fn rounding(record: &PredictionV1, name: &str, (factor, decimals): (f64, usize))
     Rounding::of_quantity(interval.map(|ends| (factor * ends.low, factor * ends.high)), decimals)
 }
 
-/// Factor and decimals of a crush in mm.
-const CRUSH: (f64, usize) = (MILLI, 0);
+/// Factor from SI, decimals and unit of a metric column.
+type Metric = (f64, usize, &'static str);
+
+const CRUSH: Metric = (MILLI, 0, "mm");
+const SPEED: Metric = (KM_PER_H_PER_M_PER_S, 1, "km/h");
+const MASS: Metric = (1.0, 1, "kg");
+const PEAK: Metric = (G_PER_M_PER_S2, 1, "g");
+
+/// A number with so many decimals in its column.
+fn cell(value: f64, metric: Metric) -> String {
+    let (factor, decimals, _) = shown(metric);
+    format!("{:.decimals$}", factor * value)
+}
+
+/// With its unit behind it.
+fn with_unit(value: Option<f64>, metric: Metric) -> String {
+    let number = value.map_or_else(|| "-".to_owned(), |value| cell(value, metric));
+    format!("{number} {}", shown(metric).2)
+}
 
 /// A prediction that was written.
 pub struct Row {
@@ -31,12 +50,12 @@ pub fn header(marks: bool) -> String {
     format!(
         "{}{:>6} {:>7} {:>8} {:>15} {:>6} {:>7} {:>6} {:>6}  candidate{}",
         if marks { "  " } else { "" },
-        "km/h",
-        "kg",
-        "crush mm",
+        unit_shown("km/h"),
+        unit_shown("kg"),
+        format!("crush {}", unit_shown("mm")),
         "90 %",
         "t_m ms",
-        "dv km/h",
+        format!("dv {}", unit_shown("km/h")),
         "peak g",
         "e",
         if marks { ", > asked for" } else { "" },
@@ -49,7 +68,9 @@ pub fn line(record: &PredictionV1, asked: Option<bool>) -> String {
     let interval = record.intervals.iter().find(|interval| interval.name == name).map_or_else(
         || "-".to_owned(),
         |ends| {
-            let [low, high] = [ends.low, ends.high].map(|end| rounding(record, name, CRUSH).show(CRUSH.0 * end));
+            let (factor, decimals, _) = shown(CRUSH);
+            let [low, high] =
+                [ends.low, ends.high].map(|end| rounding(record, name, (factor, decimals)).show(factor * end));
             format!("{low} to {high}")
         },
     );
@@ -60,15 +81,15 @@ pub fn line(record: &PredictionV1, asked: Option<bool>) -> String {
         Some(false) => "  ",
     };
     format!(
-        "{mark}{:>6.1} {:>7.1} {:>8} {:>15} {:>6} {:>7} {:>6} {:>6}  {}{names}{}",
-        3.6 * record.impact_speed_m_per_s,
-        record.mass_kg,
+        "{mark}{:>6} {:>7} {:>8} {:>15} {:>6} {:>7} {:>6} {:>6}  {}{names}{}",
+        cell(record.impact_speed_m_per_s, SPEED),
+        cell(record.mass_kg, MASS),
         number(record, name, record.dynamic_crush_m, CRUSH),
         interval,
-        number(record, "time_of_dynamic_crush_s", record.time_of_dynamic_crush_s, (MILLI, 1)),
-        number(record, "delta_v_m_per_s", record.delta_v_m_per_s, (KM_PER_H_PER_M_PER_S, 1)),
-        number(record, "peak_acceleration_m_per_s2", record.peak_acceleration_m_per_s2, (G_PER_M_PER_S2, 1)),
-        number(record, "coefficient_of_restitution", record.coefficient_of_restitution, (1.0, 2)),
+        number(record, "time_of_dynamic_crush_s", record.time_of_dynamic_crush_s, (MILLI, 1, "ms")),
+        number(record, "delta_v_m_per_s", record.delta_v_m_per_s, SPEED),
+        number(record, "peak_acceleration_m_per_s2", record.peak_acceleration_m_per_s2, PEAK),
+        number(record, "coefficient_of_restitution", record.coefficient_of_restitution, (1.0, 2, "")),
         record.candidate,
         if record.extrapolates { ", extrapolates" } else { "" },
     )
@@ -76,39 +97,38 @@ pub fn line(record: &PredictionV1, asked: Option<bool>) -> String {
 
 /// A line each for the collision with a partner and for the occupant.
 pub fn partner_and_occupant(record: &PredictionV1) -> Vec<String> {
-    let number = |value: Option<f64>, factor: f64, digits: usize| {
-        value.map_or_else(|| "-".to_owned(), |value| format!("{:.digits$}", factor * value))
-    };
+    const LENGTH: Metric = (MILLI, 1, "mm");
+    const ENERGY: Metric = (1e-3, 1, "kJ");
     let collision = record.collision.as_ref().map(|both| {
         format!(
-            "        closing {:.1} km/h, common {} km/h; mutual crush {} mm, partner {} mm; energy {} and {} kJ; \
-             partner {:.0} kg, dv {} km/h, peak {} g; after {} and {} km/h",
-            3.6 * both.closing_speed_m_per_s,
-            number(both.common_velocity_m_per_s, 3.6, 1),
-            number(both.mutual_crush_m, 1e3, 1),
-            number(both.partner_crush_m, 1e3, 1),
-            number(both.absorbed_j, 1e-3, 1),
-            number(both.partner_absorbed_j, 1e-3, 1),
-            both.partner_mass_kg,
-            number(both.partner_delta_v_m_per_s, 3.6, 1),
-            number(both.partner_peak_acceleration_m_per_s2, G_PER_M_PER_S2, 1),
-            number(both.velocity_after_m_per_s, 3.6, 1),
-            number(both.partner_velocity_after_m_per_s, 3.6, 1),
+            "        closing {}, common {}; mutual crush {}, partner {}; energy {} and {}; partner {}, dv {}, peak {}; \
+             after {} and {}",
+            with_unit(Some(both.closing_speed_m_per_s), SPEED),
+            with_unit(both.common_velocity_m_per_s, SPEED),
+            with_unit(both.mutual_crush_m, LENGTH),
+            with_unit(both.partner_crush_m, LENGTH),
+            with_unit(both.absorbed_j, ENERGY),
+            with_unit(both.partner_absorbed_j, ENERGY),
+            with_unit(Some(both.partner_mass_kg), (1.0, 0, "kg")),
+            with_unit(both.partner_delta_v_m_per_s, SPEED),
+            with_unit(both.partner_peak_acceleration_m_per_s2, PEAK),
+            with_unit(both.velocity_after_m_per_s, SPEED),
+            with_unit(both.partner_velocity_after_m_per_s, SPEED),
         )
     });
     let occupant = record.occupant.as_ref().map(|occupant| {
         format!(
-            "        occupant: peak {:.1} g at {:.1} ms, excursion {:.0} mm, ride-down {} %",
-            occupant.peak_acceleration_m_per_s2 * G_PER_M_PER_S2,
-            1e3 * occupant.time_of_peak_s,
-            1e3 * occupant.largest_excursion_m,
-            number(occupant.ride_down_share, 1e2, 0),
+            "        occupant: peak {} at {}, excursion {}, ride-down {}",
+            with_unit(Some(occupant.peak_acceleration_m_per_s2), PEAK),
+            with_unit(Some(occupant.time_of_peak_s), (1e3, 1, "ms")),
+            with_unit(Some(occupant.largest_excursion_m), CRUSH),
+            with_unit(occupant.ride_down_share, (1e2, 0, "%")),
         )
     });
     collision.into_iter().chain(occupant).collect()
 }
 
-/// Crush in mm of the first candidate over speed and mass, where several of both were asked for.
+/// Crush of the first candidate over speed and mass, where several of both were asked for.
 pub fn what_if(rows: &[Row]) -> Vec<String> {
     let Some(first) = rows.first() else { return Vec::new() };
     let candidate = &first.record.candidate;
@@ -128,13 +148,13 @@ pub fn what_if(rows: &[Row]) -> Vec<String> {
     let cell = |speed: f64, mass: f64| {
         let row = own.iter().find(|row| row.speed_m_per_s == speed && row.record.mass_kg == mass);
         let crush = row.and_then(|row| row.record.dynamic_crush_m);
-        crush.map_or_else(|| format!("{:>9}", "-"), |crush| format!("{:>9.1}", 1e3 * crush))
+        format!("{:>9}", crush.map_or_else(|| "-".to_owned(), |crush| cell(crush, (MILLI, 1, "mm"))))
     };
-    let head: String = masses.iter().map(|mass| format!("{:>9}", format!("{mass:.0} kg"))).collect();
-    let mut lines = vec![format!("crush in mm, {candidate}:"), format!("{:>11}{head}", "")];
+    let head: String = masses.iter().map(|mass| format!("{:>9}", with_unit(Some(*mass), (1.0, 0, "kg")))).collect();
+    let mut lines = vec![format!("crush in {}, {candidate}:", unit_shown("mm")), format!("{:>11}{head}", "")];
     lines.extend(speeds.iter().map(|speed| {
         let cells: String = masses.iter().map(|mass| cell(*speed, *mass)).collect();
-        format!("{:>6.1} km/h{cells}", 3.6 * speed)
+        format!("{:>11}{cells}", with_unit(Some(*speed), SPEED))
     }));
     lines
 }

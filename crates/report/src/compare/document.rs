@@ -6,7 +6,7 @@ use crumple_diff::DiffError;
 
 use crate::drawing::Figure;
 use crate::drawing::escape::{address, html};
-use crate::drawing::numbers::ABSENT;
+use crate::drawing::numbers::{ABSENT, NBSP};
 use crate::findings::{HEAD, conclusion, markdown};
 
 use super::compared_run::ComparedRun;
@@ -20,6 +20,7 @@ use super::table::{Row, to_html, to_lines, to_markdown};
 use crate::frame::{FIGURES, framed};
 use crate::page::figures;
 use crate::page::key_numbers::KEY_NUMBERS;
+use crate::words;
 
 /// Heads the column of names of the key numbers.
 const NUMBER: &str = "Number";
@@ -231,9 +232,11 @@ fn what_differs(numbers: &[Row], models: &[Row], has_own_limits: bool) -> String
         }
         _ => {}
     }
+    let [length, speed] =
+        [(1.0, "mm"), (0.01, "m/s")].map(|(most, unit)| words::significant_quantity(most, 1, unit).replace(NBSP, " "));
     let tolerance = match has_own_limits {
-        true => "the limits that the first run's pipeline states, else 0.1 ms, 1 mm, 0.01 m/s, 0.5 %",
-        false => "0.1 ms, 1 mm, 0.01 m/s, else 0.5 %",
+        true => format!("the limits that the first run's pipeline states, else 0.1 ms, {length}, {speed}, 0.5 %"),
+        false => format!("0.1 ms, {length}, {speed}, else 0.5 %"),
     };
     match parts.is_empty() {
         true => format!("Nothing differs by more than {tolerance}."),

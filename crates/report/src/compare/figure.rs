@@ -6,7 +6,7 @@ use crumple_signal::Sampled;
 
 use super::compared_run::ComparedRun;
 use crate::figures::crash::curves::view_ms;
-use crate::figures::time_view::{ACCELERATION, DISPLACEMENT, FORCE, VELOCITY, over_time_axis};
+use crate::figures::time_view::{ACCELERATION, DISPLACEMENT, FORCE, Titled, VELOCITY, over_time_axis};
 
 /// What of a run is drawn in one panel over time: the test's wave and the model's.
 type Pair<'a> = (Option<&'a Sampled>, Option<&'a Sampled>);
@@ -44,7 +44,7 @@ pub fn figure(runs: &[ComparedRun]) -> Option<Figure> {
     let drawn = |k: usize| k == 0 || !one_test;
     let views = || runs.iter().filter_map(|run| view_ms(&run.run));
     let view = views().reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
-    let quantities: [(&str, f64, WavesOf); 3] = [
+    let quantities: [(Titled, f64, WavesOf); 3] = [
         (ACCELERATION, G_PER_M_PER_S2, |run| {
             (run.run.acceleration(), run.recommended().and_then(|model| model.acceleration.as_ref()))
         }),
@@ -56,7 +56,7 @@ pub fn figure(runs: &[ComparedRun]) -> Option<Figure> {
         }),
     ];
     for (title, factor, of) in quantities {
-        let mut panel = over_time_axis(view, Axis::new(title));
+        let mut panel = over_time_axis(view, Axis::of(title));
         for (k, run) in runs.iter().enumerate() {
             let (test, model) = of(run);
             if let Some(test) = test.filter(|_| drawn(k)) {
@@ -86,7 +86,7 @@ fn of_test(run: &ComparedRun) -> [Option<&Sampled>; 3] {
 
 /// Up to the rebound, where the force ends. `None` where a run has no mass.
 fn force_over_crush(runs: &[ComparedRun], entries: &[(usize, usize)], one_test: bool) -> Option<Panel> {
-    let mut panel = Panel::new(Axis::new(DISPLACEMENT), Axis::new(FORCE));
+    let mut panel = Panel::new(Axis::of(DISPLACEMENT), Axis::of(FORCE));
     for (k, run) in runs.iter().enumerate() {
         let mass_kg = run.run.test.mass_kg?;
         let end = run.run.events.as_ref().and_then(|events| events.time_of_rebound_s).unwrap_or(f64::INFINITY);

@@ -6,6 +6,7 @@ use crate::page::conclusion::BEFORE_USE;
 use crate::page::header::UNTITLED;
 use crate::page::key_numbers::KEY_NUMBERS;
 use crate::words;
+use crumple_signal::display::unit_shown;
 use crumple_stage::by_way;
 use serde_json::Value;
 
@@ -77,7 +78,7 @@ fn candidates(run: &ComparedRun) -> String {
             markdown(&capitalised(&run.run.name_of(id))),
             if same > 0 { format!(" and {same} with the same curve") } else { String::new() },
             known.words().unwrap_or_else(|| ABSENT.to_owned()),
-            number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| words::signed(MILLI * v, 1)),
+            number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| words::signed_cell(MILLI * v, 1, "mm")),
             number(simulation.and_then(|s| s.time_of_dynamic_crush_error_s), &|v| words::signed(MILLI * v, 1)),
             number(candidate.fit_percent(), &|v| words::decimals(v, 2)),
         ))
@@ -86,7 +87,8 @@ fn candidates(run: &ComparedRun) -> String {
     if rows.is_empty() {
         return String::new();
     }
-    format!("\n### Candidates\n\n| Model | Certainty | ΔC, mm | Δtₘ, ms | Fit, % |\n|---|---|---:|---:|---:|\n{rows}")
+    let mm = unit_shown("mm");
+    format!("\n### Candidates\n\n| Model | Certainty | ΔC, {mm} | Δtₘ, ms | Fit, % |\n|---|---|---:|---:|---:|\n{rows}")
 }
 
 /// The command that makes the run again: its own pipeline file, and what was typed beside it.

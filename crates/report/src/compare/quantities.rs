@@ -388,7 +388,8 @@ fn predicted_row(
     };
     let is_crush = quantity.key == CRUSH.key;
     // A predicted crush is that of a model, and is compared closer than it is measured.
-    let decimals = quantity.decimals + usize::from(is_crush);
+    let (factor, decimals, unit) = quantity.shown();
+    let decimals = decimals + usize::from(is_crush);
     let speed = at.replacen(' ', "\u{a0}", 1);
     Quantity {
         group: if is_crush { Group::Prediction } else { Group::PredictedDetail },
@@ -397,8 +398,8 @@ fn predicted_row(
             true => format!("Predicted crush at {speed}"),
             false => format!("Predicted {} at {speed}", quantity.name),
         },
-        unit: quantity.unit,
-        factor: quantity.factor,
+        unit,
+        factor,
         digits: Digits::Decimals(decimals),
         values: (0..of_runs.len()).map(value).collect(),
     }

@@ -2,6 +2,7 @@
 
 use crate::drawing::escape::html;
 use crate::findings::markdown;
+use crumple_signal::display::sentence;
 
 /// What a run says of the quantity of a row.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -24,9 +25,10 @@ pub struct Row {
 }
 
 impl Row {
-    /// Texts that differ where they are not the same.
+    /// Texts of files, settings and notes, that differ where they are not the same.
     pub fn of_texts(name: impl Into<String>, texts: &[String]) -> Self {
-        let cell = |text: &String| Cell { text: text.clone(), differs: *text != texts[0], ..Cell::default() };
+        let cell =
+            |text: &String| Cell { text: sentence(text).into_owned(), differs: *text != texts[0], ..Cell::default() };
         Self { name: name.into(), cells: texts.iter().map(cell).collect() }
     }
 

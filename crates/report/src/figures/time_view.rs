@@ -3,14 +3,17 @@
 use crate::drawing::{Axis, Panel};
 use crate::findings::Run;
 
+/// What an axis is of, and the unit of its points on metric pages.
+pub(crate) type Titled = (&'static str, &'static str);
+
 /// Title of an axis of accelerations.
-pub(crate) const ACCELERATION: &str = "acceleration, g";
+pub(crate) const ACCELERATION: Titled = ("acceleration", "g");
 /// Title of an axis of velocities.
-pub(crate) const VELOCITY: &str = "velocity, km/h";
+pub(crate) const VELOCITY: Titled = ("velocity", "km/h");
 /// Title of an axis of displacements.
-pub(crate) const DISPLACEMENT: &str = "displacement, mm";
+pub(crate) const DISPLACEMENT: Titled = ("displacement", "mm");
 /// Title of an axis of forces.
-pub(crate) const FORCE: &str = "force, kN";
+pub(crate) const FORCE: Titled = ("force", "kN");
 
 /// First view of a time axis, ms: from a little before time zero to three times the time of crush, within the record.
 ///

@@ -7,6 +7,7 @@
 mod conclusions;
 mod names;
 mod results;
+mod sentences_shown;
 mod text;
 
 pub use conclusions::concerns::{

@@ -2,6 +2,7 @@
 
 use crumple_artifact::records::CandidateV1;
 use crumple_lumped::{ParameterKind, parameter_kind, parameter_kind_of_unit};
+use crumple_signal::display;
 
 use crate::drawing::numbers::{KILO, MILLI};
 use crate::words;
@@ -76,7 +77,10 @@ pub fn parameter_order<'a>(model: &str, name: &'a str) -> (usize, &'a str) {
 pub fn parameter(model: &str, name: &str, value: f64) -> (String, f64, &'static str) {
     let kind = parameter_kind(model, name).map(|kind| (kind.symbol_of(name), of_kind(kind)));
     match kind.or_else(|| of_unit(name)) {
-        Some((symbol, (factor, unit))) => (in_words(symbol), value * factor, unit),
+        Some((symbol, (factor, unit))) => {
+            let (factor, _, unit) = display::shown((factor, 0, unit));
+            (in_words(symbol), value * factor, unit)
+        }
         None => (name.replace('_', " "), value, ""),
     }
 }

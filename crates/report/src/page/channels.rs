@@ -17,7 +17,7 @@ pub(super) fn write(out: &mut String, run: &Run) {
         return;
     }
     let taken = run.channel_id();
-    out.push_str("<section>\n<h2>Channels</h2>\n");
+    out.push_str("<section id=\"channels\">\n<h2>Channels</h2>\n");
     match (taken, run.channel()) {
         (Some(id), Some(channel)) => {
             let place = if channel.location.is_empty() { String::new() } else { format!(" ({})", channel.location) };

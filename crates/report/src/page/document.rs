@@ -11,8 +11,8 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 
 use super::{
-    candidates, channels, conclusion as top, energy, figures, header, how_well, key_numbers, model_picture, models,
-    numbers, predictions, ratings, remarks, what_if,
+    candidates, channels, conclusion as top, contents::Sections, energy, figures, header, how_well, key_numbers,
+    model_picture, models, numbers, predictions, ratings, remarks, what_if,
 };
 use crate::drawing::Figure;
 use crate::figures::all::{crash_figures, identification_figures};
@@ -22,6 +22,17 @@ use crate::frame::{PageFiles, Script, script_file};
 
 /// Cursor, zoom and downloads.
 const SCRIPT: Script = Script { name: "figures", text: FIGURES };
+
+/// Figures that stand among the details.
+const OF_DETAILS: [&str; 4] = ["residual", "sensors", "elements", "mass-split"];
+
+/// The one heading that everything beyond the answer stands under; `</details>` ends it.
+const DETAILS: &str = "<details id=\"details\">\n<summary><h2>Details</h2> <span>residuals, ratings, predictions, \
+                       numbers, channels, remarks, provenance</span></summary>\n";
+
+/// What stands on paper in place of the details.
+const ON_PAPER: &str = "<p class=\"on-paper\">Residuals, ratings, predictions, numbers, channels, remarks and \
+                        provenance are on the page itself, under Details, and in summary.json.</p>\n";
 
 /// Style of reports beside that of all pages.
 fn style() -> String {
@@ -49,12 +60,13 @@ pub struct Page(String);
 impl Page {
     /// Lays the report out, everything in one file. The same run gives the same bytes.
     pub fn new(run: &Run, ranking: &Ranking) -> Self {
-        Self::of(run, ranking, &summary(run, ranking), None)
+        let summary = summary(run, ranking);
+        Self::of(run, ranking, (&summary, &summary.to_json().unwrap_or_default()), None)
     }
 
-    /// The same of a run that is summed up; with `folder` style and scripts are in a folder, at this address as the
-    /// page sees it, that has the files of [`write_shared_files`].
-    pub fn of(run: &Run, ranking: &Ranking, summary: &Summary, folder: Option<&str>) -> Self {
+    /// The same of a run that is summed up, with the summary to download as JSON; with `folder` style and scripts are in
+    /// a folder, at this address as the page sees it, that has the files of [`write_shared_files`].
+    pub fn of(run: &Run, ranking: &Ranking, (summary, json): (&Summary, &str), folder: Option<&str>) -> Self {
         let style = style();
         let files = PageFiles { style: &style, folder };
         let Summary { verdict: said, concerns, key_numbers, .. } = summary;
@@ -65,57 +77,66 @@ impl Page {
             Some(_) => (Vec::new(), Vec::new()),
             None => (crash_figures(run, ranking), identification_figures(run)),
         };
-        let mut body = String::with_capacity(1 << 20);
-        header::write(&mut body, whole, said);
-        body.push_str("<main>\n");
-        if run.joint.is_none() {
-            key_numbers::write(&mut body, run, said, key_numbers);
-        }
+        let (folded, open): (Vec<Figure>, Vec<Figure>) =
+            crash.into_iter().partition(|figure| OF_DETAILS.contains(&figure.id));
         let first = match bare {
             Some(_) => recorded::figure(run),
             None => curves::first(run, ranking).filter(|_| run.joint.is_none()),
         };
         let first: Vec<Figure> = first.into_iter().collect();
-        body.push_str("<div class=\"first\">\n<div>\n");
-        figures::write(&mut body, &first, "h2");
-        body.push_str("<div class=\"answer\">\n");
-        predictions::write_first(&mut body, run, ranking, said.status);
-        top::write_before_use(&mut body, run, ranking, concerns);
-        body.push_str("</div>\n</div>\n");
-        model_picture::write(&mut body, run, ranking, said.status);
-        body.push_str("</div>\n");
+        let mut sections = Sections::default();
+        let is_generic = run.is_generic();
+        let out = &mut sections.html;
         if run.joint.is_none() {
-            key_numbers::write_caption(&mut body, key_numbers);
+            key_numbers::write(out, run, said, key_numbers);
         }
-        predictions::write_left_out(&mut body, run);
-        figures::write(&mut body, &crash, "h2");
-        if run.is_generic() {
-            models::write(&mut body, run, concerns, &identification);
+        out.push_str("<div class=\"first\">\n<div>\n");
+        figures::write(out, &first, "h2");
+        out.push_str("<div class=\"answer\">\n");
+        predictions::write_first(out, run, ranking, said.status);
+        top::write_before_use(out, run, ranking, concerns);
+        out.push_str("</div>\n</div>\n");
+        model_picture::write(out, run, ranking, said.status);
+        out.push_str("</div>\n");
+        if run.joint.is_none() {
+            key_numbers::write_caption(out, key_numbers);
         }
-        what_if::write(&mut body, run, ranking, &files);
-        candidates::write(&mut body, run, ranking, said.status);
-        how_well::write(&mut body, run, ranking);
-        predictions::write(&mut body, run, said.status);
-        ratings::write(&mut body, run, ranking);
-        energy::write(&mut body, run, ranking);
-        if !run.is_generic() {
-            models::write(&mut body, run, concerns, &identification);
+        sections.part(("tests", "The tests"), |out| predictions::write_left_out(out, run));
+        let id_of = |figures: &[Figure]| figures.first().map_or("", |figure| figure.id);
+        sections.part((id_of(&open), "Curves"), |out| figures::write(out, &open, "h2"));
+        let models = |out: &mut String| models::write(out, run, concerns, &identification);
+        if is_generic {
+            sections.part(("identification", "Identification"), models);
+        }
+        sections.part(("what-if", "What if"), |out| what_if::write(out, run, ranking, &files));
+        sections.part(("candidates", "Which model to use"), |out| candidates::write(out, run, ranking, said.status));
+        sections.html.push_str(DETAILS);
+        sections.part((id_of(&folded), "More curves"), |out| figures::write(out, &folded, "h2"));
+        sections.part(("how-well", "How well"), |out| how_well::write(out, run, ranking));
+        sections.part(("predictions", "Predictions"), |out| predictions::write(out, run, said.status));
+        sections.part(("ratings", "Ratings"), |out| ratings::write(out, run, ranking));
+        sections.part(("energy", "Energy"), |out| energy::write(out, run, ranking));
+        if !is_generic {
+            sections.part(("identification", "Identification"), models);
         }
         // Of several tests each has its own report with them.
         if run.joint.is_none() {
-            numbers::write(&mut body, whole);
-            channels::write(&mut body, run);
+            sections.part(("metrics", "Events and metrics"), |out| numbers::write(out, whole));
+            sections.part(("channels", "Channels"), |out| channels::write(out, run));
         }
-        remarks::write_missing(&mut body, whole);
-        remarks::write_notes(&mut body, whole, ranking, concerns);
-        remarks::write_limits(&mut body, whole, ranking);
-        remarks::write_provenance(&mut body, whole);
+        remarks::write_missing(&mut sections.html, whole);
+        sections.part(("notes", "Warnings and notes"), |out| remarks::write_notes(out, whole, ranking, concerns));
+        sections.part(("limits", "What it cannot say"), |out| remarks::write_limits(out, whole, ranking));
+        sections.part(("provenance", "Provenance"), |out| remarks::write_provenance(out, whole));
+        sections.html.push_str("</details>\n");
         // The summary of several tests is another one: it lies beside the page.
-        if let (None, Ok(packed)) = (&run.joint, packed(summary)) {
-            body.push_str(&format!("<script type=\"text/plain\" id=\"summary-data\">{packed}</script>\n"));
+        if let (None, Ok(packed)) = (&run.joint, packed(json)) {
+            sections.html.push_str(&format!("<script type=\"text/plain\" id=\"summary-data\">{packed}</script>\n"));
         }
-        body.push_str("</main>\n");
-        let toggles = figures::toggle_rules(first.iter().chain(&crash).chain(&identification));
+        let mut body = String::with_capacity(sections.html.len() + 10_000);
+        header::write(&mut body, whole, said);
+        body.push_str(&format!("{}<main>\n{}{ON_PAPER}</main>\n", sections.contents(), sections.html));
+        let toggles = figures::toggle_rules(first.iter().chain(&open).chain(&folded).chain(&identification));
         let title = header::title(run);
         Self(framed_with(&files, &title, &toggles, &body, SCRIPT))
     }
@@ -142,8 +163,8 @@ fn measured_alone(run: &Run) -> Run {
 }
 
 /// The summary for its download, gzip in base 64: a sixth of its length.
-fn packed(summary: &Summary) -> io::Result<String> {
+fn packed(json: &str) -> io::Result<String> {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
-    encoder.write_all(summary.to_json()?.as_bytes())?;
+    encoder.write_all(json.as_bytes())?;
     Ok(STANDARD.encode(encoder.finish()?))
 }

@@ -28,16 +28,16 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         Column::text("Model"),
         Column::text("Instant"),
         Column::number("Time, ms"),
-        Column::number("Brought in, kJ"),
-        Column::number("Kinetic, kJ"),
-        Column::number("In springs, kJ"),
-        Column::number("Dissipated, kJ"),
+        Column::number("Brought in").of("kJ"),
+        Column::number("Kinetic").of("kJ"),
+        Column::number("In springs").of("kJ"),
+        Column::number("Dissipated").of("kJ"),
         Column::number("Closure")
             .means("Largest gap of the balance over the whole response, relative to its largest term."),
     ];
-    out.push_str(&format!("<section>\n{}{}", folded("Energy of the models"), table("", &columns)));
+    out.push_str(&format!("<section id=\"energy\">\n{}{}", folded("Energy of the models"), table("", &columns)));
     for (candidate, energy, closure) in rows {
-        let kilojoule = |joule: f64| words::decimals(KILO * joule, 2);
+        let kilojoule = |joule: f64| words::cell(KILO * joule, 2, "kJ");
         out.push_str(&format!(
             "<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td \
              class=\"n\">{}</td>\

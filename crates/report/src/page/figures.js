@@ -425,8 +425,9 @@
     moveTo(mark ? Number(mark.dataset.at) : (whole[0] + whole[1]) / 2);
   }
 
-  // What is folded is opened on paper.
+  // What is folded is opened on paper, but for a report, whose details stay on the screen.
   let opened = [];
+  if (document.getElementById("details")) { return; }
   window.addEventListener("beforeprint", () => {
     opened = Array.from(document.querySelectorAll("details:not([open])"));
     opened.forEach((details) => { details.open = true; });

@@ -4,6 +4,8 @@ use crate::drawing::escape::html;
 use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, NBSP};
 use crate::findings::{Conclusion, Run};
 use crate::words;
+use crumple_signal::Display;
+use crumple_signal::display::{factor_shown, unit_shown};
 
 use super::conclusion;
 
@@ -42,7 +44,12 @@ pub(super) fn write(out: &mut String, run: &Run, verdict: &Conclusion) {
     if test.vehicle.as_ref().is_none_or(|vehicle| !test.title.contains(vehicle.as_str())) {
         fact("Vehicle", test.vehicle.clone());
     }
-    fact("Test mass", test.mass_kg.map(|mass| with_unit(words::at_most(mass, 1), "kg")));
+    // A tenth of a pound is not known.
+    let places = usize::from(Display::now() == Display::Si);
+    fact(
+        "Test mass",
+        test.mass_kg.map(|mass| with_unit(words::at_most(factor_shown("kg") * mass, places), unit_shown("kg"))),
+    );
     let speed = |v: f64| {
         let km_per_h = words::quantity(KM_PER_H_PER_M_PER_S * v, 2, "km/h");
         format!("{km_per_h} ({})", words::quantity(v, 3, "m/s"))

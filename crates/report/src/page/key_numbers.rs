@@ -45,14 +45,16 @@ fn card(run: &Run, number: &KeyNumber, is_speed_in_doubt: bool) -> String {
         lines.push(html(reason));
     }
     if let Some((low, high)) = number.interval() {
-        lines.push(format!("{}: {}", interval_name(number), range(low, high)));
+        lines.push(bar(number, &format!("{}: {}", interval_name(number), range(low, high))));
+        lines.push(html(&words::ends((low, high), number.interval(), (factor, places, ""))));
     } else if let (Some(_), Some(reason)) = (number.value, &number.interval_by) {
         lines.push(html(reason));
     } else if number.value.is_some() {
         lines.push("no interval was computed".to_owned());
     }
-    if let Some(spread) = &number.spread {
-        let class = if number.interval_misses_a_sensor() { " class=\"beyond\"" } else { "" };
+    // The bar shows the range of the sensors; in words it stands where it says something else.
+    if let Some(spread) = number.spread.as_ref().filter(|_| number.interval().is_none() || misses_a_sensor(number)) {
+        let class = if misses_a_sensor(number) { " class=\"beyond\"" } else { "" };
         let (count, range) = (spread.sensors(), range(spread.low, spread.high));
         lines.push(format!("<span{class}>{count} sensors: {range}</span>"));
     }
@@ -78,6 +80,34 @@ pub(crate) fn title(run: &Run, name: &str) -> String {
         (None, Some(hz)) => format!("Peak, filtered at {}", words::quantity(*hz, 0, "Hz")),
         (None, None) => KeyQuantity::of(name).map_or_else(|| words::metric(name), |known| known.title.to_owned()),
     }
+}
+
+fn misses_a_sensor(number: &KeyNumber) -> bool {
+    number.interval_misses_a_sensor()
+}
+
+/// The interval as a bar, the value as a tick, the range of the sensors as a line below; the same in words.
+fn bar(number: &KeyNumber, interval: &str) -> String {
+    const WIDTH: f64 = 100.0;
+    let Some(((low, high), value)) = number.interval().zip(number.value) else { return String::new() };
+    let spread = number.spread.as_ref().map(|spread| (spread.low, spread.high));
+    let ends = [Some((low, high)), spread, Some((value, value))].into_iter().flatten();
+    let (left, right) = ends.fold((low, high), |(l, h), (a, b)| (l.min(a), h.max(b)));
+    let x = |at: f64| if right > left { WIDTH * (0.1 + 0.8 * (at - left) / (right - left)) } else { 0.5 * WIDTH };
+    let sensors = spread.map_or_else(String::new, |(from, to)| {
+        format!("<path class=\"sensors\" d=\"M{:.1} 10H{:.1}\"/>", x(from), x(to))
+    });
+    let in_words = number.spread.as_ref().map_or_else(String::new, |spread| {
+        format!("; {} sensors: {}", spread.sensors(), html(&number.range(spread.low, spread.high)))
+    });
+    format!(
+        "<svg class=\"interval\" viewBox=\"0 0 {WIDTH} 12\" preserveAspectRatio=\"none\" role=\"img\">\
+         <title>{interval}{in_words}</title><rect x=\"{:.1}\" y=\"2\" width=\"{:.1}\" height=\"5\"/>{sensors}\
+         <path d=\"M{:.1} 0V9\"/></svg>",
+        x(low),
+        (x(high) - x(low)).max(0.5),
+        x(value)
+    )
 }
 
 fn interval_name(number: &KeyNumber) -> String {
@@ -123,14 +153,16 @@ pub(super) fn write_caption(out: &mut String, numbers: &[KeyNumber]) {
     let mut sentences: Vec<String> = Vec::new();
     if let Some(by) = interval_by(IntervalSourceV1::Replicates) {
         sentences.push(format!(
-            "“Inputs”: {by} with mass, speed, gain, zero level and time zero within their stated uncertainty, one \
-             sensor."
+            "Bars: 90\u{a0}% interval of {by} with mass, speed, gain, zero level and time zero within their stated \
+             uncertainty, one sensor."
         ));
     }
-    sentences.extend(interval_by(IntervalSourceV1::Resolution).map(|by| format!("“Resolution”: {by}.")));
+    sentences.extend(interval_by(IntervalSourceV1::Resolution).map(|by| format!("Bars: {by}.")));
     if let Some(spread) = numbers.iter().find_map(|number| number.spread.as_ref()) {
         let channels = html(&spread.channels.join(", "));
-        sentences.push(format!("“Sensors”: lowest to highest of channels {channels}, which measured the same motion."));
+        sentences.push(format!(
+            "Lines below the bars: lowest to highest of channels {channels}, which measured the same motion."
+        ));
     }
     if numbers.iter().any(KeyNumber::interval_misses_a_sensor) {
         sentences.push(

@@ -3,6 +3,7 @@
 pub mod candidates;
 pub mod channels;
 pub mod conclusion;
+mod contents;
 pub mod document;
 pub mod energy;
 pub mod figures;

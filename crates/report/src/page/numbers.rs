@@ -23,7 +23,7 @@ pub(super) fn write(out: &mut String, run: &Run) {
         true => (format!("<h2>{title}</h2>\n"), "</section>\n"),
         false => (folded(title), UNFOLDED),
     };
-    out.push_str(&format!("<section>\n{heading}<div class=\"pair\">\n"));
+    out.push_str(&format!("<section id=\"metrics\">\n{heading}<div class=\"pair\">\n"));
     if let Some(events) = &run.events {
         out.push_str("<div>\n<h3>Events</h3>\n");
         table(out, &event_rows(events));

@@ -1,11 +1,13 @@
 //! Impacts that were not made, as the models of the test predict them; tests that were, as the others predict them.
 
 use crate::drawing::escape::html;
-use crate::drawing::numbers::{ABSENT, G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
+use crate::drawing::numbers::{ABSENT, G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI};
 use crate::findings::{LeftOut, Ranking, Run, Status, TestOfJointModel, capitalised, with_mass_against};
 use crate::page::{UNFOLDED, folded};
 use crate::words;
 use crumple_artifact::records::{AnsweredByV1, PredictionV1};
+use crumple_signal::display::{self, factor_shown};
+use crumple_signal::key_quantities::CRUSH;
 
 use crate::frame::{Column, table};
 
@@ -25,8 +27,8 @@ pub(super) fn write_first(out: &mut String, run: &Run, ranking: &Ranking, status
     let level = shown.iter().flat_map(|prediction| &prediction.intervals).map(|interval| interval.level).next();
     let level = level.map_or_else(String::new, |level| words::quantity(1e2 * level, 0, "%"));
     let columns = [
-        Column::number("km/h"),
-        Column::number("crush, mm"),
+        Column::number("").of("km/h"),
+        Column::number("crush").of("mm"),
         Column::number(&level),
         Column::number("peak, g"),
         Column::text("test"),
@@ -45,8 +47,11 @@ pub(super) fn write_first(out: &mut String, run: &Run, ranking: &Ranking, status
     out.push_str(&format!("</tbody>\n</table></div>\n{caption}{more}</section>\n"));
 }
 
-/// How a crush is shown in a column of mm.
-const IN_MM: (f64, usize, &str) = (MILLI, 0, "");
+/// How a crush is shown in a column with its unit.
+fn in_mm() -> (f64, usize, &'static str) {
+    let (factor, places, _) = CRUSH.shown();
+    (factor, places, "")
+}
 
 fn first_row(out: &mut String, run: &Run, prediction: &PredictionV1) {
     let or_absent = |text: Option<String>| text.unwrap_or_else(|| ABSENT.to_owned());
@@ -71,9 +76,9 @@ fn first_row(out: &mut String, run: &Run, prediction: &PredictionV1) {
     out.push_str(&format!(
         "<tr><td class=\"n\">{}{other}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>\
          <td{}>{range}</td></tr>\n",
-        words::at_most(KM_PER_H_PER_M_PER_S * prediction.impact_speed_m_per_s, 1),
-        or_absent(prediction.dynamic_crush_m.map(|crush_m| words::rounded(crush_m, ends, IN_MM))),
-        or_absent(ends.map(|both| words::ends(both, ends, IN_MM))),
+        words::at_most(factor_shown("km/h") * KM_PER_H_PER_M_PER_S * prediction.impact_speed_m_per_s, 1),
+        or_absent(prediction.dynamic_crush_m.map(|crush_m| words::rounded(crush_m, ends, in_mm()))),
+        or_absent(ends.map(|both| words::ends(both, ends, in_mm()))),
         or_absent(peak),
         if prediction.extrapolates { " class=\"no\"" } else { "" }
     ));
@@ -84,12 +89,12 @@ pub(super) fn write(out: &mut String, run: &Run, status: Option<Status>) {
         return;
     }
     let columns = [
-        Column::number("Speed, km/h"),
-        Column::number("Mass, kg"),
+        Column::number("Speed").of("km/h"),
+        Column::number("Mass").of("kg"),
         Column::text("Model"),
-        Column::number("Dynamic crush, mm"),
+        Column::number("Dynamic crush").of("mm"),
         Column::number("t<sub>m</sub>, ms"),
-        Column::number("Δv, km/h"),
+        Column::number("Δv").of("km/h"),
         Column::number("e"),
         Column::number("Peak (CFC 60), g"),
         Column::number("OLC, g"),
@@ -109,10 +114,11 @@ pub(super) fn write(out: &mut String, run: &Run, status: Option<Status>) {
 }
 
 fn row(out: &mut String, run: &Run, prediction: &PredictionV1, status: Option<Status>) {
-    let cell = |value: Option<f64>, name: &str, factor: f64, digits: usize| {
+    let cell = |value: Option<f64>, name: &str, metric: (f64, usize, &'static str)| {
         let Some(value) = value else { return format!("<td class=\"n\">{ABSENT}</td>") };
         let interval = prediction.intervals.iter().find(|interval| interval.name == name);
         let known = interval.map(|interval| (interval.low, interval.high));
+        let (factor, digits, _) = display::shown(metric);
         let shown = (factor, digits, "");
         let interval = interval.map(|interval| {
             let ends = words::ends((interval.low, interval.high), known, shown);
@@ -133,16 +139,16 @@ fn row(out: &mut String, run: &Run, prediction: &PredictionV1, status: Option<St
         "<tr{}><td class=\"n\">{}{asked}</td><td class=\"n\">{}</td><td>{}{}{partner}</td>{}{}{}{}{}{}\
          <td>{}</td></tr>\n",
         if prediction.recommended { " class=\"best\"" } else { "" },
-        words::decimals(KM_PER_H_PER_M_PER_S * prediction.impact_speed_m_per_s, 1),
-        words::decimals(prediction.mass_kg, 0),
+        words::cell(KM_PER_H_PER_M_PER_S * prediction.impact_speed_m_per_s, 1, "km/h"),
+        words::cell(prediction.mass_kg, 0, "kg"),
         html(&capitalised(&run.name_of(&prediction.candidate))),
         html(&names),
-        cell(prediction.dynamic_crush_m, "dynamic_crush_m", MILLI, 0),
-        cell(prediction.time_of_dynamic_crush_s, "time_of_dynamic_crush_s", MILLI, 1),
-        cell(prediction.delta_v_m_per_s, "delta_v_m_per_s", KM_PER_H_PER_M_PER_S, 1),
-        cell(prediction.coefficient_of_restitution, "coefficient_of_restitution", 1.0, 3),
-        cell(prediction.peak_acceleration_m_per_s2, "peak_acceleration_m_per_s2", G_PER_M_PER_S2, 1),
-        cell(prediction.olc_m_per_s2, "olc_m_per_s2", G_PER_M_PER_S2, 1),
+        cell(prediction.dynamic_crush_m, "dynamic_crush_m", (MILLI, 0, "mm")),
+        cell(prediction.time_of_dynamic_crush_s, "time_of_dynamic_crush_s", (MILLI, 1, "ms")),
+        cell(prediction.delta_v_m_per_s, "delta_v_m_per_s", (KM_PER_H_PER_M_PER_S, 1, "km/h")),
+        cell(prediction.coefficient_of_restitution, "coefficient_of_restitution", (1.0, 3, "")),
+        cell(prediction.peak_acceleration_m_per_s2, "peak_acceleration_m_per_s2", (G_PER_M_PER_S2, 1, "g")),
+        cell(prediction.olc_m_per_s2, "olc_m_per_s2", (G_PER_M_PER_S2, 1, "g")),
         if remarks.is_empty() {
             String::new()
         } else {
@@ -156,31 +162,34 @@ fn row(out: &mut String, run: &Run, prediction: &PredictionV1, status: Option<St
 
 /// What the vehicle meets and what that makes of the other, and of the occupant; nothing at the wall without one.
 fn partner(prediction: &PredictionV1) -> String {
-    let number = |value: Option<f64>, factor: f64, digits: usize| {
-        value.map_or_else(|| ABSENT.to_owned(), |value| words::decimals(factor * value, digits))
+    let number = |value: Option<f64>, (factor, digits, unit): (f64, usize, &str)| {
+        value.map_or_else(|| ABSENT.to_owned(), |value| words::quantity(factor * value, digits, unit))
     };
+    const SPEED: (f64, usize, &str) = (KM_PER_H_PER_M_PER_S, 1, "km/h");
+    const LENGTH: (f64, usize, &str) = (MILLI, 0, "mm");
+    const ENERGY: (f64, usize, &str) = (KILO, 1, "kJ");
     let mut lines = Vec::new();
     if let Some(both) = &prediction.collision {
         lines.push(format!(
-            "against {}, {} kg, closing at {} km/h: common velocity {} km/h, mutual crush {} mm, of it the partner’s \
-             {} mm; energy {} and {} kJ; partner’s Δv {} km/h",
+            "against {}, {}, closing at {}: common velocity {}, mutual crush {}, of it the partner’s {}; energy {} and \
+             {}; partner’s Δv {}",
             html(prediction.partner.as_deref().unwrap_or("a partner")),
-            words::decimals(both.partner_mass_kg, 0),
-            words::decimals(KM_PER_H_PER_M_PER_S * both.closing_speed_m_per_s, 1),
-            number(both.common_velocity_m_per_s, KM_PER_H_PER_M_PER_S, 1),
-            number(both.mutual_crush_m, MILLI, 0),
-            number(both.partner_crush_m, MILLI, 0),
-            number(both.absorbed_j, 1e-3, 1),
-            number(both.partner_absorbed_j, 1e-3, 1),
-            number(both.partner_delta_v_m_per_s, KM_PER_H_PER_M_PER_S, 1)
+            words::quantity(both.partner_mass_kg, 0, "kg"),
+            number(Some(both.closing_speed_m_per_s), SPEED),
+            number(both.common_velocity_m_per_s, SPEED),
+            number(both.mutual_crush_m, LENGTH),
+            number(both.partner_crush_m, LENGTH),
+            number(both.absorbed_j, ENERGY),
+            number(both.partner_absorbed_j, ENERGY),
+            number(both.partner_delta_v_m_per_s, SPEED)
         ));
     }
     if let Some(occupant) = &prediction.occupant {
         lines.push(format!(
-            "occupant: peak {} g, {} mm ahead of the compartment, ride-down {} %",
-            words::decimals(G_PER_M_PER_S2 * occupant.peak_acceleration_m_per_s2, 1),
-            words::decimals(MILLI * occupant.largest_excursion_m, 0),
-            number(occupant.ride_down_share, 1e2, 0)
+            "occupant: peak {}, {} ahead of the compartment, ride-down {}",
+            words::quantity(G_PER_M_PER_S2 * occupant.peak_acceleration_m_per_s2, 1, "g"),
+            number(Some(occupant.largest_excursion_m), LENGTH),
+            number(occupant.ride_down_share, (1e2, 0, "%"))
         ));
     }
     lines.iter().map(|line| format!("<br><small>{line}</small>")).collect()
@@ -191,9 +200,9 @@ pub(super) fn write_left_out(out: &mut String, run: &Run) {
     let Some(joint) = &run.joint else { return };
     let columns = [
         Column::text("Test"),
-        Column::number("Mass, kg"),
-        Column::number("Speed, km/h"),
-        Column::number("C, mm"),
+        Column::number("Mass").of("kg"),
+        Column::number("Speed").of("km/h"),
+        Column::number("C").of("mm"),
         Column::number("t<sub>m</sub>, ms"),
         Column::number("e"),
         Column::number("ΔC, %"),
@@ -221,9 +230,9 @@ fn test_row(out: &mut String, run: &Run, joint: &TestOfJointModel) {
     };
     let TestOfJointModel { test, left_out } = joint;
     out.push_str(&format!("<tr><th scope=\"row\">{}</th>", html(&test.name)));
-    out.push_str(&number(Some(test.mass_kg), &|v| words::decimals(v, 0)));
-    out.push_str(&number(Some(test.impact_speed_m_per_s), &|v| words::decimals(KM_PER_H_PER_M_PER_S * v, 1)));
-    out.push_str(&number(test.dynamic_crush_m, &|v| words::decimals(MILLI * v, 1)));
+    out.push_str(&number(Some(test.mass_kg), &|v| words::cell(v, 0, "kg")));
+    out.push_str(&number(Some(test.impact_speed_m_per_s), &|v| words::cell(KM_PER_H_PER_M_PER_S * v, 1, "km/h")));
+    out.push_str(&number(test.dynamic_crush_m, &|v| words::cell(MILLI * v, 1, "mm")));
     out.push_str(&number(test.time_of_dynamic_crush_s, &|v| words::decimals(MILLI * v, 1)));
     out.push_str(&number(test.coefficient_of_restitution, &|v| words::decimals(v, 3)));
     match (left_out, joint.against()) {

@@ -46,7 +46,8 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     rows.sort_by_key(|(candidate, _)| ranking.place(&candidate.id).unwrap_or(usize::MAX));
     let columns_of = |quantity: &str| COLUMNS.iter().filter(|column| column.0 == quantity).count() + 1;
     out.push_str(&format!(
-        "<section>\n{}<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\" rowspan=\"2\">Model</th>\
+        "<section id=\"ratings\">\n{}\
+         <div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\" rowspan=\"2\">Model</th>\
          <th scope=\"colgroup\" colspan=\"{}\">Acceleration</th>\
          <th scope=\"colgroup\" colspan=\"{}\">Displacement</th></tr>\n<tr>",
         folded("Ratings: model against test"),

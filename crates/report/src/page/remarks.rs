@@ -154,12 +154,13 @@ pub(super) fn write_limits(out: &mut String, run: &Run, ranking: &Ranking) {
     }
     let items: String = limits.iter().map(|text| format!("<li>{}</li>\n", html(text))).collect();
     out.push_str(&format!(
-        "<section>\n<h2>What this can and cannot say</h2>\n<ul class=\"limits\">\n{items}</ul>\n</section>\n"
+        "<section id=\"limits\">\n\
+         <h2>What this can and cannot say</h2>\n<ul class=\"limits\">\n{items}</ul>\n</section>\n"
     ));
 }
 
 pub(super) fn write_provenance(out: &mut String, run: &Run) {
-    out.push_str("<section class=\"provenance\">\n<h2>Provenance</h2>\n");
+    out.push_str("<section class=\"provenance\" id=\"provenance\">\n<h2>Provenance</h2>\n");
     let source = &run.test.source;
     if !source.name.is_empty() && run.joint.is_none() {
         let digest =

@@ -1,12 +1,14 @@
 //! Sliders on the recommended model: the structure as data, and the script that moves it.
 
 use crate::drawing::escape::html;
-use crate::drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
+use crate::drawing::numbers::{G_PER_M_PER_S2, MILLI};
 use crate::findings::capitalised;
 use crate::findings::{CandidateResult, Ranking, Run};
 use crumple_artifact::records::CandidateV1;
 use crumple_lumped::{Element, Extrapolation, ForceDeflection, Node, PiecewiseLinear, structure_of};
 use crumple_signal::Sampled;
+use crumple_signal::display::shown;
+use crumple_signal::key_quantities::{MASS, SPEED};
 use serde_json::{Value, json};
 
 use crate::frame::json_element;
@@ -19,7 +21,7 @@ pub(super) const STYLE: &str = include_str!("what_if/style.css");
 pub(super) const SCRIPT: Script = Script { name: "what-if", text: include_str!("what_if/what_if.js") };
 
 /// A drawing that the script fills.
-const PANEL: &str = "<svg viewBox=\"0 0 350 210\" role=\"img\"><title>Motion over time</title></svg>";
+const PANEL: &str = "<svg class=\"plot\" viewBox=\"0 0 560 306\" role=\"img\"><title>Motion over time</title></svg>";
 
 /// Points of a measured curve beside the model's.
 const POINTS: usize = 300;
@@ -48,13 +50,15 @@ fn data(run: &Run, candidate: &CandidateResult) -> Option<Value> {
     let speed = run.test.impact_speed_m_per_s?;
     let structure = described(&candidate.record)?;
     let end_s = 2.0 * time;
+    // Factor from SI, decimals and unit of what the script shows.
+    let [speed_unit, length, mass] = [SPEED.shown(), shown((MILLI, 1, "mm")), MASS.shown()];
     let curve = |wave: Option<&Sampled>, factor: f64| wave.map(|wave| thinned(wave, end_s, factor));
     let mut data = json!({
         "v0": speed, "crush": crush, "time": time, "end": end_s,
         "tested": run.events.as_ref().and_then(|events| events.dynamic_crush_m),
-        "displacement": curve(run.measured.displacement.as_ref(), MILLI),
+        "displacement": curve(run.measured.displacement.as_ref(), length.0),
         "acceleration": curve(run.measured.filtered.as_ref(), G_PER_M_PER_S2),
-        "kmh": KM_PER_H_PER_M_PER_S, "g": G_PER_M_PER_S2,
+        "speed": speed_unit, "length": length, "mass": mass, "g": G_PER_M_PER_S2,
     });
     data["masses"] = structure["masses"].clone();
     data["elements"] = structure["elements"].clone();

@@ -26,7 +26,7 @@ pub fn read_run(folder: &Path, name: String, page: &Path) -> anyhow::Result<(Com
     let note = Some(folder.join(Pipeline::OF_A_RUN)).filter(|note| note.is_file());
     let pipeline = note.map(|note| Pipeline::read(&note, None)).transpose()?;
     let inputs = load_artifacts(&artifacts)?.input;
-    let mut run = gather(&inputs, pipeline.as_ref())?;
+    let mut run = gather(&inputs, pipeline.as_ref())?.with_sentences_shown();
     let limits = pipeline.as_ref().map(limits_of).unwrap_or_default();
     run.pipeline = pipeline.and_then(|pipeline| pipeline.name().map(str::to_owned));
     let report = address(page, &folder.join("report.html"));

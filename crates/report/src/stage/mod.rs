@@ -17,12 +17,13 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::thread;
 
-use crate::{ComparedRun, Kind, Page, Ranking, Summary, all_figures, first_screen, summary, write_shared_files};
+use crate::{ComparedRun, Kind, Page, Ranking, Run, Summary, all_figures, first_screen, summary, write_shared_files};
 use anyhow::Context;
 use console::Screen;
 use crumple_artifact::{OutputKind, replace_atomically, write_atomically};
+use crumple_signal::Display;
 use crumple_stage::{
-    Call, ExitStatus, Pipeline, Program, Usage, artifacts_of_a_run, be_quiet, keep_budget, load_artifacts,
+    Call, DisplayFlag, ExitStatus, Pipeline, Program, Usage, artifacts_of_a_run, be_quiet, keep_budget, load_artifacts,
     pipeline_table, refuse_to_overwrite, results_of_an_earlier_run, run_tool, say, to_stdout,
 };
 use pictures::{Fonts, write_figures};
@@ -120,6 +121,9 @@ pub struct Cli {
     #[arg(long, hide = true)]
     pub answer_again: bool,
 
+    #[command(flatten)]
+    pub display: DisplayFlag,
+
     /// No summary on stderr.
     #[arg(short, long)]
     pub quiet: bool,
@@ -159,6 +163,8 @@ pub struct IndexCli {
     /// Page to write.
     #[arg(short, long, value_name = "PAGE", default_value = "index.html")]
     output: PathBuf,
+    #[command(flatten)]
+    display: DisplayFlag,
     /// No summary on stderr.
     #[arg(short, long)]
     quiet: bool,
@@ -181,6 +187,8 @@ pub struct CompareCli {
     /// Simulations against their test.
     #[command(flatten)]
     pub validation: validate::ValidateArgs,
+    #[command(flatten)]
+    display: DisplayFlag,
     /// No summary on stderr.
     #[arg(short, long)]
     quiet: bool,
@@ -188,7 +196,9 @@ pub struct CompareCli {
 
 /// `crumple-report --index` by itself.
 pub const INDEX: Program = Program::of_tool::<IndexCli>("index", |call| {
-    run_tool(call, |cli: IndexCli| index::index(&cli.inputs, &cli.output, cli.quiet))
+    run_tool(call, |cli: IndexCli| {
+        cli.display.or_of(None)?.during(|| index::index(&cli.inputs, &cli.output, cli.quiet))
+    })
 });
 
 /// `crumple-report --compare` by itself.
@@ -197,11 +207,11 @@ pub const COMPARE: Program =
 
 /// Compares run folders as the call asks for.
 pub fn compare_runs(cli: &CompareCli, call: &Call) -> anyhow::Result<ExitStatus> {
-    let CompareCli { inputs, output, markdown, validation, quiet } = cli;
-    match validation.validate {
+    let CompareCli { inputs, output, markdown, validation, display, quiet } = cli;
+    display.or_of(None)?.during(|| match validation.validate {
         true => validate::validate(inputs, output, markdown.as_deref(), validation, *quiet, call),
         false => compare::compare(inputs, output, markdown.as_deref(), *quiet, call),
-    }
+    })
 }
 
 /// Reads the artifacts and writes both files.
@@ -210,11 +220,12 @@ pub fn compare_runs(cli: &CompareCli, call: &Call) -> anyhow::Result<ExitStatus>
 fn run(mut cli: Cli, call: &Call) -> anyhow::Result<ExitStatus> {
     if cli.compare {
         let page = cli.output.as_deref().unwrap_or(Path::new("compare.html"));
-        return compare::compare(&cli.inputs, page, cli.markdown.as_deref(), cli.quiet, call);
+        let compare = || compare::compare(&cli.inputs, page, cli.markdown.as_deref(), cli.quiet, call);
+        return cli.display.or_of(None)?.during(compare);
     }
     if cli.index {
         let page = cli.output.as_deref().unwrap_or(Path::new("index.html"));
-        return index::index(&cli.inputs, page, cli.quiet);
+        return cli.display.or_of(None)?.during(|| index::index(&cli.inputs, page, cli.quiet));
     }
     cli.take_folder()?;
     let of_folder = cli.together.then(|| cli.inputs.first().map(|folder| folder.join("report.html"))).flatten();
@@ -228,13 +239,14 @@ fn run(mut cli: Cli, call: &Call) -> anyhow::Result<ExitStatus> {
     let stated = file.as_ref().and_then(|file| file.name().map(str::to_owned));
     let pipeline = cli.pipeline_name.clone().or(stated).or_else(|| cli.pipeline.as_deref().map(pipeline_name));
     if let Some(file) = &file {
-        pipeline_table("report", file, &[])?;
+        pipeline_table("report", file, &["display"])?;
     }
+    let display = cli.display.or_of(file.as_ref())?;
     if cli.check_options {
         return Ok(ExitStatus::Done);
     }
     if let (true, [folder]) = (cli.together, &cli.inputs[..]) {
-        return together::together(folder, output, pipeline, cli.quiet);
+        return display.during(|| together::together(folder, output, pipeline, cli.quiet));
     }
     let summary_path = cli.summary.clone().unwrap_or_else(|| output.with_file_name("summary.json"));
     if summary_path == *output {
@@ -249,42 +261,72 @@ fn run(mut cli: Cli, call: &Call) -> anyhow::Result<ExitStatus> {
     run.pipeline = pipeline;
     let ranking = Ranking::of_run(&run);
     let summary = summary(&run, &ranking);
-    if cli.answer_again {
-        answer(&cli, &Screen::of(&run, &ranking, &summary, output))?;
-        return Ok(status_of(&summary));
+    let status = status_of(&summary);
+    let outcome = Outcome { run, ranking, summary };
+    display.during(|| outcome.write(&cli, output, &summary_path, fonts.as_ref()))?;
+    Ok(status)
+}
+
+/// What a run came to. The summary is metric, whatever is shown.
+struct Outcome {
+    run: Run,
+    ranking: Ranking,
+    summary: Summary,
+}
+
+impl Outcome {
+    /// Writes and prints what is asked for, in the units that are shown now.
+    fn write(self, cli: &Cli, output: &Path, summary_path: &Path, fonts: Option<&Fonts>) -> anyhow::Result<()> {
+        let Self { run, ranking, summary } = self;
+        let json = summary.to_json()?;
+        let (run, shown) = match Display::now() {
+            Display::Si => (run, summary),
+            Display::Us => {
+                let run = run.with_sentences_shown();
+                let shown = crate::summary(&run, &ranking);
+                (run, shown)
+            }
+        };
+        let screen = || Screen::of(&run, &ranking, &shown, output);
+        if cli.answer_again {
+            return answer(cli, &screen());
+        }
+        if let Some(folder) = &cli.shared {
+            let folder = output.parent().unwrap_or(Path::new("")).join(folder);
+            write_shared_files(&folder)
+                .with_context(|| format!("cannot write the files that pages share into {}", folder.display()))?;
+        }
+        let page = || Page::of(&run, &ranking, (&shown, &json), cli.shared.as_deref());
+        write_both(output, summary_path, &json, page)
+            .with_context(|| format!("cannot write {} and {}", output.display(), summary_path.display()))?;
+        if let Some(folder) = &cli.svg {
+            write_figures(folder, "svg", &all_figures(&run, &ranking), |figure| Ok(figure.to_svg().into_bytes()))?;
+        }
+        if let (Some(folder), Some(fonts)) = (&cli.png, fonts) {
+            write_figures(folder, "png", &all_figures(&run, &ranking), |figure| fonts.png(figure))?;
+        }
+        if cli.json {
+            to_stdout(json.as_bytes())?;
+        }
+        if !cli.quiet {
+            answer(cli, &screen())?;
+        }
+        match &cli.markdown {
+            Some(path) => write_markdown(path, cli, output, run),
+            None => Ok(()),
+        }
     }
-    let json = summary.to_json()?;
-    if let Some(folder) = &cli.shared {
-        let folder = output.parent().unwrap_or(Path::new("")).join(folder);
-        write_shared_files(&folder)
-            .with_context(|| format!("cannot write the files that pages share into {}", folder.display()))?;
-    }
-    let page = || Page::of(&run, &ranking, &summary, cli.shared.as_deref());
-    write_both(output, &summary_path, &json, page)
-        .with_context(|| format!("cannot write {} and {}", output.display(), summary_path.display()))?;
-    if let Some(folder) = &cli.svg {
-        write_figures(folder, "svg", &all_figures(&run, &ranking), |figure| Ok(figure.to_svg().into_bytes()))?;
-    }
-    if let (Some(folder), Some(fonts)) = (&cli.png, &fonts) {
-        write_figures(folder, "png", &all_figures(&run, &ranking), |figure| fonts.png(figure))?;
-    }
-    if cli.json {
-        to_stdout(json.as_bytes())?;
-    }
-    if !cli.quiet {
-        answer(&cli, &Screen::of(&run, &ranking, &summary, output))?;
-    }
-    if let Some(path) = &cli.markdown {
-        let own = output.with_file_name(Pipeline::OF_A_RUN);
-        let own = own.is_file().then(|| own.display().to_string());
-        let run = ComparedRun::new(String::new(), None, run);
-        let here = Path::new(&run.run.test.source.name);
-        let record =
-            cli.record.as_deref().or_else(|| here.is_file().then_some(here)).map(|path| path.display().to_string());
-        let text = first_screen(&run, own.as_deref(), record.as_deref());
-        compare::write(path, OutputKind::Markdown, &text)?;
-    }
-    Ok(status_of(&summary))
+}
+
+fn write_markdown(path: &Path, cli: &Cli, output: &Path, run: Run) -> anyhow::Result<()> {
+    let own = output.with_file_name(Pipeline::OF_A_RUN);
+    let own = own.is_file().then(|| own.display().to_string());
+    let run = ComparedRun::new(String::new(), None, run);
+    let here = Path::new(&run.run.test.source.name);
+    let record =
+        cli.record.as_deref().or_else(|| here.is_file().then_some(here)).map(|path| path.display().to_string());
+    let text = first_screen(&run, own.as_deref(), record.as_deref());
+    compare::write(path, OutputKind::Markdown, &text)
 }
 
 fn status_of(summary: &Summary) -> ExitStatus {

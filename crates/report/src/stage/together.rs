@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::{Conclusion, LeftOut, Page, Ranking, Run, summary};
 use crumple_artifact::OutputKind;
 use crumple_artifact::records::{DiagnosisV1, PredictionV1, RemarkV1};
+use crumple_signal::Display;
 use crumple_stage::{ExitStatus, Refused, by_way, keep_budget, load_artifacts, refuse_to_overwrite, say};
 
 use super::compare::write;
@@ -27,12 +28,15 @@ pub struct JointAnswer {
 }
 
 impl JointAnswer {
-    /// Of the folder of a joint result. Refuses one that holds none.
-    pub fn of_folder(folder: &Path) -> anyhow::Result<Self> {
+    /// Of the folder of a joint result, with a screen in these units. Refuses one that holds none.
+    pub fn of_folder(folder: &Path, display: Display) -> anyhow::Result<Self> {
         let run = joint_run(folder)?;
         let ranking = Ranking::of_run(&run);
         let summary = summary(&run, &ranking);
-        let screen = Screen::of(&run, &ranking, &summary, &folder.join("report.html"));
+        let screen = display.during(|| {
+            let run = run.with_sentences_shown();
+            Screen::of(&run, &ranking, &crate::summary(&run, &ranking), &folder.join("report.html"))
+        });
         Ok(Self { verdict: summary.verdict, remarks: summary.remarks, screen })
     }
 }
@@ -40,7 +44,7 @@ impl JointAnswer {
 /// Reads the folder of a joint result, as `crumple-together` makes it, and writes its page.
 pub fn together(folder: &Path, page: &Path, pipeline: Option<String>, quiet: bool) -> anyhow::Result<ExitStatus> {
     refuse_to_overwrite(page, OutputKind::Report, &artifacts(folder))?;
-    let mut run = joint_run(folder)?;
+    let mut run = joint_run(folder)?.with_sentences_shown();
     run.pipeline = pipeline;
     let ranking = Ranking::of_run(&run);
     let mut html = Vec::new();

@@ -5,7 +5,7 @@ use super::validation::{Side, Validation};
 use crate::drawing::numbers::{G_PER_M_PER_S2, KILO, KM_PER_H_PER_M_PER_S, MILLI};
 use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, Width, over_time};
 use crate::figures::crash::curves::view_ms;
-use crate::figures::time_view::{ACCELERATION, FORCE, VELOCITY, over_time_axis};
+use crate::figures::time_view::{ACCELERATION, FORCE, Titled, VELOCITY, over_time_axis};
 use crumple_signal::Sampled;
 
 /// Velocity, acceleration and wall force over time, wall force over crush, energies, ratio by segment.
@@ -17,20 +17,20 @@ pub fn figures(tests: &[Side<'_>], simulations: &[Side<'_>], validations: &[Vali
     let sides: Vec<(&Side<'_>, usize)> =
         sides.map(|(side, look)| (side, curves.entry(side.run.name.clone(), look, true))).collect();
     type Wave = for<'a> fn(&'a Side<'_>) -> Option<&'a Sampled>;
-    let waves: [(&str, f64, Wave); 3] = [
+    let waves: [(Titled, f64, Wave); 3] = [
         (VELOCITY, KM_PER_H_PER_M_PER_S, |side| side.run.run.measured.velocity.as_ref()),
         (ACCELERATION, G_PER_M_PER_S2, |side| side.run.run.acceleration()),
-        ("wall force, kN", KILO, |side| side.run.run.measured.barrier_force.as_ref()),
+        (("wall force", "kN"), KILO, |side| side.run.run.measured.barrier_force.as_ref()),
     ];
     let view = view_ms(&tests[0].run.run);
     for (title, factor, wave) in waves {
-        let mut panel = over_time_axis(view, Axis::new(title));
+        let mut panel = over_time_axis(view, Axis::of(title));
         for (side, entry) in &sides {
             wave(side).into_iter().for_each(|wave| panel.line(*entry, over_time(wave, factor)));
         }
         curves.panels.push(panel);
     }
-    let mut over_crush = Panel::new(Axis::new("crush, mm"), Axis::new(FORCE));
+    let mut over_crush = Panel::new(Axis::of(("crush", "mm")), Axis::of(FORCE));
     // A force of the wall beside a mass times a deceleration would look like a difference.
     let by_wall = sides.iter().all(|(side, _)| side.run.run.measured.barrier_force.is_some());
     for (side, entry) in &sides {
@@ -42,7 +42,7 @@ pub fn figures(tests: &[Side<'_>], simulations: &[Side<'_>], validations: &[Vali
         .to_owned();
     let mut energies = Figure::new("energies", "Energies of the simulation");
     for side in simulations {
-        let mut panel = over_time_axis(view, Axis::new(format!("{}, kJ", side.run.name)));
+        let mut panel = over_time_axis(view, Axis::of((side.run.name.as_str(), "kJ")));
         for (k, (name, wave)) in side.model.0.iter().filter(|(name, _)| name.ends_with("_energy")).enumerate() {
             if wave.samples().iter().any(|x| *x != 0.0) {
                 let entry = energies.entry(name.replace('_', " "), Look::of_series(k), true);
@@ -71,7 +71,7 @@ fn force_over_crush(side: &Side<'_>, by_wall: bool) -> Option<Vec<[f64; 2]>> {
 /// The ratio of mean force by segment with its interval.
 fn ratio(validations: &[Validation]) -> Figure {
     let mut figure = Figure::new("ratio", "Force of the simulation over that of the test, by segment");
-    let mut panel = Panel::new(Axis::new("crush, mm"), Axis::new("ratio"));
+    let mut panel = Panel::new(Axis::of(("crush", "mm")), Axis::new("ratio"));
     let mut series = 0;
     for one in validations {
         let all: [(&str, &[Segment]); 2] = [("wall force", &one.wall), ("deceleration", &one.deceleration)];

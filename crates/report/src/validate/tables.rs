@@ -1,5 +1,6 @@
 //! The comparison of simulations with a test as tables, JSON and cases of JUnit.
 
+use crumple_signal::display::unit_shown;
 use crumple_signal::key_quantities::KeyQuantity;
 use serde_json::{Value, json};
 
@@ -76,7 +77,7 @@ fn differences(all: &[Validation]) -> Vec<Row> {
         let found = one.differences.iter().find(|difference| title(&difference.name) == name)?;
         let (factor, places, unit) = KeyQuantity::of(&found.name)?.shown();
         let ends = found.low.zip(found.high).map(|(low, high)| {
-            let [low, high] = [low, high].map(|end| words::signed(factor * end, places));
+            let [low, high] = [low, high].map(|end| words::signed_cell(factor * end, places, unit));
             format!("90\u{a0}%: {}", words::between(&low, &high))
         });
         let text = words::deviation(factor * found.difference, places, unit);
@@ -92,17 +93,17 @@ fn differences(all: &[Validation]) -> Vec<Row> {
 fn by_segment(all: &[Validation], which: usize) -> Vec<Row> {
     let of = |one: &Validation| [&one.wall, &one.front, &one.deceleration][which].clone();
     let name = |segment: &Segment| {
-        let [from, to] = [segment.from_m, segment.to_m].map(|x| words::decimals(MILLI * x, 0));
-        words::with_unit(words::between(&from, &to), "mm")
+        let [from, to] = [segment.from_m, segment.to_m].map(|x| words::cell(MILLI * x, 0, "mm"));
+        words::with_unit(words::between(&from, &to), unit_shown("mm"))
     };
     let cell = |one: &Validation, wanted: &str| {
         let segment = of(one).into_iter().find(|segment| name(segment) == wanted)?;
         let two = |x: f64| words::decimals(x, 2);
         let ends = segment.low.zip(segment.high);
         let ends = ends.map_or_else(|| "open".to_owned(), |(low, high)| words::between(&two(low), &two(high)));
-        let [test, simulation] = [segment.test_n, segment.simulation_n].map(|x| words::decimals(KILO * x, 0));
+        let [test, simulation] = [segment.test_n, segment.simulation_n].map(|x| words::cell(KILO * x, 0, "kN"));
         let text = segment.ratio.map_or_else(|| ABSENT.to_owned(), two);
-        let beside = format!("90\u{a0}%: {ends}; {simulation} of {test} kN");
+        let beside = format!("90\u{a0}%: {ends}; {simulation} of {test} {}", unit_shown("kN"));
         Some(Cell { text, beside, differs: segment.is_named() })
     };
     rows(&names(all, |one| of(one).iter().map(name).collect()), all, cell)

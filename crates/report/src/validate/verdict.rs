@@ -1,5 +1,6 @@
 //! The three sentences: stiffer, softer or equal; where and by which force; what forbids trust.
 
+use crumple_signal::display::unit_shown;
 use serde::Serialize;
 
 use super::checks::{Check, Outcome};
@@ -150,8 +151,8 @@ impl Place {
 impl Stretch {
     /// `100 to 500 mm`.
     fn range(&self) -> String {
-        let [from, to] = [self.from_m, self.to_m].map(|x| decimals(MILLI * x, 0));
-        words::with_unit(words::between(&from, &to), "mm")
+        let [from, to] = [self.from_m, self.to_m].map(|x| words::cell(MILLI * x, 0, "mm"));
+        words::with_unit(words::between(&from, &to), unit_shown("mm"))
     }
 
     /// `22 to 29 % higher`.
@@ -178,26 +179,23 @@ impl Difference {
     }
 
     fn sentence(&self) -> String {
-        let mm = |x: f64| decimals(MILLI * x.abs(), 0);
-        let both = format!(
-            "{} against {} in the test",
-            words::with_unit(mm(self.simulation), "mm"),
-            words::with_unit(mm(self.test), "mm")
-        );
+        let mm = |x: f64| words::quantity(MILLI * x.abs(), 0, "mm");
+        let number = |x: f64| words::cell(MILLI * x.abs(), 0, "mm");
+        let both = format!("{} against {} in the test", mm(self.simulation), mm(self.test));
         let interval = self.low.zip(self.high);
         if !self.is_apart() {
             let most = interval.map_or(0.0, |(low, high)| low.abs().max(high.abs()));
-            return format!("Equal: no difference of crush beyond ±{}, {both}.", words::with_unit(mm(most), "mm"));
+            return format!("Equal: no difference of crush beyond ±{}, {both}.", mm(most));
         }
         let (word, side) = if self.difference > 0.0 { ("softer", "more") } else { ("stiffer", "less") };
         let known = interval.map_or_else(
             || "without an interval".to_owned(),
             |(low, high)| {
                 let [near, far] = if low > 0.0 { [low, high] } else { [high, low] };
-                format!("90\u{a0}%: {}", words::between(&mm(near), &mm(far)))
+                format!("90\u{a0}%: {}", words::between(&number(near), &number(far)))
             },
         );
-        let by = words::with_unit(mm(self.difference), "mm");
+        let by = mm(self.difference);
         format!("The simulation is {word} than the test: {by} {side} crush ({known}), {both}.")
     }
 }
@@ -243,12 +241,15 @@ impl Verdict {
                 at.change()
             ),
             Place::Nowhere { by_wall } => format!(
-                "No segment of 100\u{a0}mm differs by more than {scatter} (two equal tests may), by {}.",
+                "No segment of {} differs by more than {scatter} (two equal tests may), by {}.",
+                words::quantity(100.0, 0, "mm"),
                 if *by_wall { "wall force and deceleration" } else { "deceleration, without the wall force of both" }
             ),
-            Place::Unknown => "No segment can be compared: a mass, a motion or the first 100\u{a0}mm are missing, so \
-                               that nothing says where they differ."
-                .to_owned(),
+            Place::Unknown => format!(
+                "No segment can be compared: a mass, a motion or the first {} are missing, so that nothing says where \
+                 they differ.",
+                words::quantity(100.0, 0, "mm")
+            ),
         }
     }
 

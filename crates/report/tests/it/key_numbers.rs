@@ -170,7 +170,11 @@ fn a_spread_that_the_interval_misses_stands_beside_it_marked() {
     assert!(page.contains("take both together"));
     run.metrics[1] = metric("93+94", "dynamic_crush", Some(0.7499), "m", Some((0.742, 0.7499)));
     let (page, _) = pages(&run);
-    assert!(page.contains("<span>2 sensors: 742 to 750\u{a0}mm</span>") && !page.contains("take both together"));
+    assert!(
+        page.contains("; 2 sensors: 742 to 750\u{a0}mm</title>")
+            && page.contains("<path class=\"sensors\"")
+            && !page.contains("take both together")
+    );
 }
 
 #[test]

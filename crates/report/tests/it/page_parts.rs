@@ -500,7 +500,10 @@ fn the_intervals_of_events_stand_on_their_cards() {
         interval_source: None,
     }];
     let page = page(&run);
-    assert!(page.contains("750\u{a0}<small>mm</small></dd><dd>inputs, 90\u{a0}%: 740 to 759\u{a0}mm</dd>"), "{page}");
+    // As a bar with words, and its ends below it.
+    let (_, card) = page.split_once("750\u{a0}<small>mm</small></dd><dd><svg class=\"interval\"").unwrap();
+    assert!(card.contains("<title>inputs, 90\u{a0}%: 740 to 759\u{a0}mm</title>"), "{card}");
+    assert!(card.contains("</svg></dd><dd>740 to 759</dd>"), "{card}");
 }
 
 #[test]

@@ -9,14 +9,16 @@ use anyhow::Context;
 use crumple_artifact::records::{CandidateV1, MetricsV2, PredictionV1, RecommendationV1, RemarkV1, TestV1};
 use crumple_artifact::{Artifact, OutputKind, ReadError, Record, write_atomically};
 use crumple_lumped::{ParameterKind, parameter_kind};
+use crumple_signal::Display;
 use crumple_stage::{
-    ExitStatus, Refused, Usage, artifacts_of_a_run, is_no_result, keep_budget, refuse_to_overwrite, remarks_of, say,
-    unknown_name,
+    DisplayFlag, ExitStatus, Refused, Usage, artifacts_of_a_run, is_no_result, keep_budget, refuse_to_overwrite,
+    remarks_of, say, unknown_name,
 };
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 
 use super::modelica::modelica;
+use super::us_units::in_us_units;
 use super::waves::{wave_tables, waves_of};
 use super::workbook::workbook;
 use crate::fleet::tables::{METRICS, PREDICTIONS, metric_cells, prediction_row};
@@ -62,6 +64,9 @@ pub struct ExportOptions {
     /// The model that `--to modelica` writes [default: the recommended one].
     #[arg(long, value_name = "ID")]
     candidate: Option<String>,
+
+    #[command(flatten)]
+    display: DisplayFlag,
 
     /// Replace files that are there.
     #[arg(long)]
@@ -109,7 +114,9 @@ pub(crate) fn export(options: ExportOptions) -> anyhow::Result<ExitStatus> {
         }
     }
     let wanted = |table: &Table| options.what.is_empty() || options.what.contains(&family(table));
-    let tables: Vec<Table> = all.into_iter().filter(wanted).collect();
+    let is_us = options.display.or_of(None)? == Display::Us;
+    let tables: Vec<Table> =
+        all.into_iter().filter(wanted).map(|table| if is_us { in_us_units(table) } else { table }).collect();
     let default = if options.to == Format::Xlsx { "export.xlsx" } else { "export" };
     let output = options.output.clone().unwrap_or_else(|| default.into());
     let written = if options.to == Format::Xlsx {

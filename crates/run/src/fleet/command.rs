@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use crumple_stage::Usage;
+use crumple_stage::{DisplayFlag, Usage};
 
 use crate::program::NamedPrograms;
 
@@ -92,6 +92,9 @@ pub struct Options {
     pub(crate) flags: String,
 
     #[command(flatten)]
+    pub(crate) display: DisplayFlag,
+
+    #[command(flatten)]
     pub(crate) programs: NamedPrograms,
 }
 
@@ -138,7 +141,8 @@ impl Options {
     /// Flags of the report of a run in this folder below that of the fleet.
     pub(crate) fn report_flags(&self, folder: &str) -> String {
         let up = "../".repeat(Path::new(folder).components().count());
-        if self.whole_pages { String::new() } else { format!("--shared {up}{PAGE_FILES}") }
+        let shared = if self.whole_pages { Vec::new() } else { vec![format!("--shared {up}{PAGE_FILES}")] };
+        [shared, self.display.words()].concat().join(" ")
     }
 
     /// The pipelines, as they are typed.

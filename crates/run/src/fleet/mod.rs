@@ -12,7 +12,9 @@ mod regression;
 mod runs;
 mod study;
 pub(crate) mod tables;
+mod watch;
 
 pub use command::Options;
 pub use make::fleet;
 pub use study::{StudyOptions, study};
+pub use watch::{WatchOptions, watch};

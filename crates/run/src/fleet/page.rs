@@ -66,7 +66,7 @@ pub(crate) fn write_page(fleet: &Path, rows: &[Row], options: &Options) -> anyho
         write_shared_files(&folder).with_context(|| format!("cannot write into {}", folder.display()))?;
     }
     let path = fleet.join("fleet.html");
-    let page = page(fleet, rows);
+    let page = options.display.or_of(None)?.during(|| page(fleet, rows));
     write_atomically(&path, OutputKind::Report, |file| file.write_all(page.as_bytes()))
         .with_context(|| format!("cannot write {}", path.display()))
 }
@@ -208,13 +208,17 @@ fn line(fleet: &Path, row: &Row) -> Option<String> {
 
 // Quantities over each other, a point a run; outliers lead to their reports.
 
+/// Share of a value within which runs are of one: speeds as people type them, and rounding.
+const SAME: f64 = 1e-3;
+
 /// Most outliers of a panel that are links.
 const LINKS: usize = 20;
 
 /// Height of a panel, of its own 560 of width.
 const HEIGHT: f64 = 300.0;
 
-/// `y` over each of several quantities, a panel each; those that fewer than two runs have are left out.
+/// `y` over each of several quantities, a panel each; those that fewer than two runs have, or that are one for all
+/// runs, are left out.
 pub(crate) fn scatter(rows: &[Row], (id, y): (&'static str, RunNumber), over: &[RunNumber]) -> Figure {
     let mut figure = Figure::new(id, capitalised(y.name));
     let outlier = "outlier: more than four robust standard deviations off the line; leads to its report";
@@ -238,6 +242,13 @@ fn panel(rows: &[Row], [runs, line, _]: [usize; 3], (x, y): (RunNumber, RunNumbe
         return None;
     }
     let points: Vec<(f64, f64)> = of_rows.iter().map(|(_, point)| *point).collect();
+    // Over one speed, or of one crush, there is nothing to see.
+    let varies = |of: fn(&(f64, f64)) -> f64| {
+        span(&points.iter().map(of).collect::<Vec<_>>()).is_some_and(|(low, high)| high - low > SAME * high.abs())
+    };
+    if !varies(|point| point.0) || !varies(|point| point.1) {
+        return None;
+    }
     let fitted = line_and_outliers(&points);
     let is_outlier = |number: usize| fitted.as_ref().is_some_and(|(_, outliers)| outliers[number]);
     let whole = x.unit.is_empty();
@@ -255,7 +266,7 @@ fn panel(rows: &[Row], [runs, line, _]: [usize; 3], (x, y): (RunNumber, RunNumbe
         .map(|(_, (row, point))| Link {
             at: [point.0, point.1],
             address: format!("{}/report.html", row.run.folder),
-            text: format!("{}: {} {}", row.run.record.identity, words::significant(point.1, 3), y.unit)
+            text: format!("{}: {} {}", row.run.record.identity, words::significant(point.1, 3), y.shown().2)
                 .trim_end()
                 .to_owned(),
         })
@@ -385,6 +396,16 @@ mod tests {
         let html = page(folder.path(), &[row(49, &found)]);
         assert!(html.contains("1 run, 0 with a recommended model, 1 without a result") && !html.contains("Distrib"));
         assert!(page(folder.path(), &[]).contains("0 runs"));
+    }
+
+    #[test]
+    fn over_what_is_one_for_all_runs_nothing_is_drawn() {
+        let found = Summary::from_json(&fs::read(fixture("summary.json")).unwrap()).unwrap();
+        let mut rows: Vec<Row> = (0..20).map(|number| row(number, &found)).collect();
+        let panels = |rows: &[Row]| scatter(rows, ("crush", CRUSH), &[MASS, SPEED]).panels.len();
+        assert_eq!(panels(&rows), 2);
+        rows.iter_mut().filter_map(|row| row.summary.as_mut()).for_each(|run| run.test.mass_kg = Some(1500.0));
+        assert_eq!(panels(&rows), 1);
     }
 
     #[test]

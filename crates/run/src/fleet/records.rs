@@ -138,11 +138,18 @@ fn walk(folder: &Path, companions: &mut BTreeSet<PathBuf>, below: &mut Below) ->
     Ok(())
 }
 
+/// Endings of files that describe a test, whose channels are in other files.
+const FIRST: [&str; 4] = ["ev5", "mme", "chn", "tdm"];
+
 /// Files that describe a test come before those of its channels.
 fn order(path: &Path) -> usize {
-    const FIRST: [&str; 4] = ["ev5", "mme", "chn", "tdm"];
     let ending = ending(path);
     FIRST.iter().position(|first| *first == ending).unwrap_or(FIRST.len())
+}
+
+/// Whether a record of this name has its channels in other files.
+pub(crate) fn spans_files(path: &Path) -> bool {
+    order(path) < FIRST.len()
 }
 
 fn is_run_folder(files: &[PathBuf]) -> bool {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use crumple_report::JointAnswer;
-use crumple_stage::{ExitStatus, Usage, by_way, say};
+use crumple_stage::{DisplayFlag, ExitStatus, Usage, by_way, say};
 
 use crate::command::{OfAllStages, Pipeline};
 use crate::folder::content::{PipelineOfRun, sweep};
@@ -47,7 +47,7 @@ pub fn together(mut options: TogetherOptions) -> anyhow::Result<ExitStatus> {
     let status = joint.model(&runs, folder.path(), vec!["--no-summary".into()])?;
     if status == ExitStatus::NoAcceptableResult {
         joint.page()?;
-        JointAnswer::of_folder(folder.path())?.screen.say();
+        JointAnswer::of_folder(folder.path(), options.display.or_of(Some(&composed))?)?.screen.say();
     }
     if status != ExitStatus::Done {
         return Ok(status);
@@ -78,7 +78,7 @@ pub fn together(mut options: TogetherOptions) -> anyhow::Result<ExitStatus> {
     let left_out = left_out_of(folder.path())?;
     let status = joint.joint_prediction(&left_out, &asked.flags)?;
     if matches!(status, ExitStatus::Done | ExitStatus::NoAcceptableResult) {
-        write_summary(folder.path(), &pipeline.name, &left_out)?;
+        write_summary(folder.path(), &pipeline.name, &left_out, options.display.or_of(Some(&composed))?)?;
         joint.page()?;
         given.keep(folder.path(), &composed)?;
     }
@@ -101,7 +101,8 @@ fn handed_on(
     options: &TogetherOptions,
     folder: &Path,
 ) -> anyhow::Result<(crumple_stage::Pipeline, PipelineOfRun)> {
-    let mut composed = pipeline.read(&options.project, &[])?;
+    let set = Vec::from_iter(options.display.as_set());
+    let mut composed = pipeline.read(&options.project, &set)?;
     composed.note_run(&pipeline.name);
     let given = PipelineOfRun::write(folder, &composed, None)?;
     Ok((composed, given))
@@ -116,7 +117,7 @@ fn predict_again(made: &Path, options: &TogetherOptions) -> anyhow::Result<ExitS
     let joint = JointRun { options, pipeline: given.path(), folder: folder.path() };
     let status = joint.joint_prediction(&left_out, &options.rest)?;
     if matches!(status, ExitStatus::Done | ExitStatus::NoAcceptableResult) {
-        write_summary(folder.path(), &pipeline.name, &left_out)?;
+        write_summary(folder.path(), &pipeline.name, &left_out, options.display.or_of(Some(&composed))?)?;
         joint.page()?;
         given.keep(folder.path(), &composed)?;
     }
@@ -318,6 +319,9 @@ pub struct TogetherOptions {
     /// Predict again with the joint result in this folder; flags of predict follow `--`.
     #[arg(long, value_name = "FOLDER", allow_hyphen_values = true, conflicts_with = "out")]
     pub(crate) again: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub(crate) display: DisplayFlag,
 
     #[command(flatten)]
     pub(crate) programs: NamedPrograms,

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use crumple_artifact::{OutputKind, write_atomically};
 use crumple_report::{Conclusion, JointAnswer, OF_SEVERAL_TESTS};
+use crumple_signal::Display;
 use crumple_signal::HALF_OF_90_PERCENT;
 use crumple_stage::records::{
     AgainstTestV1, CandidateV1, DiagnosisV1, JointTestV1, PredictionV1, RecommendationV1, RemarkV1, TestsV2,
@@ -75,7 +76,12 @@ impl JointSummary {
 }
 
 /// Writes `summary.json` in one piece, and says the table.
-pub(crate) fn write_summary(folder: &Path, pipeline: &str, held_out: &[HeldOutTest]) -> anyhow::Result<()> {
+pub(crate) fn write_summary(
+    folder: &Path,
+    pipeline: &str,
+    held_out: &[HeldOutTest],
+    display: Display,
+) -> anyhow::Result<()> {
     let joint = load_artifacts(&[folder.join(SOLVED)])?.input;
     let tests: TestsV2 = joint.record_if("/tests")?.unwrap_or_default();
     let candidates: Vec<(String, CandidateV1)> = joint.records("/parameters/")?;
@@ -91,7 +97,7 @@ pub(crate) fn write_summary(folder: &Path, pipeline: &str, held_out: &[HeldOutTe
         say(format_args!("{:<16} {}", "together", line(&left_out)));
         leave_one_out.push(left_out);
     }
-    let JointAnswer { verdict, remarks, screen } = JointAnswer::of_folder(folder)?;
+    let JointAnswer { verdict, remarks, screen } = JointAnswer::of_folder(folder, display)?;
     let summary = JointSummary {
         schema: OF_SEVERAL_TESTS.to_owned(),
         pipeline: pipeline.to_owned(),

@@ -1,6 +1,7 @@
 //! The numbers that people ask for first: what they are called and how they are shown. Console, page, index, comparison
 //! and diff read this table.
 
+use super::display;
 use crate::STANDARD_GRAVITY_M_PER_S2;
 
 /// m/s² in g.
@@ -25,7 +26,7 @@ pub struct KeyQuantity {
     pub console: &'static str,
     /// As the head of a column has it.
     pub symbol: &'static str,
-    /// Unit that people use; empty: none.
+    /// Unit that metric pages have; empty: none. [`shown`](Self::shown) is that of the reader.
     pub unit: &'static str,
     /// From SI to that unit.
     pub factor: f64,
@@ -81,7 +82,7 @@ pub const DIRECTION_OF_FORCE: KeyQuantity =
 /// The speed whose kinetic energy went into deformation, by what a recorder kept.
 pub const RECORDED_EES: KeyQuantity =
     quantity(["recorded_ees", "energy-equivalent speed", "EES"], (KM_PER_H_PER_M_PER_S, 1, "km/h"))
-        .called("Energy-equivalent speed EES", "EES");
+        .called("Energy-equivalent speed EES, BEV", "EES");
 /// Crush by what a recorder kept.
 pub const RECORDED_CRUSH: KeyQuantity =
     quantity(["recorded_crush", "crush from the recorder's table", "C"], (MILLI, 0, "mm"))
@@ -145,18 +146,23 @@ impl KeyQuantity {
         Self { title, console, ..self }
     }
 
-    /// Factor, decimals and unit.
-    pub const fn shown(&self) -> (f64, usize, &'static str) {
-        (self.factor, self.decimals, self.unit)
+    /// Factor, decimals and unit, those of the reader.
+    pub fn shown(&self) -> (f64, usize, &'static str) {
+        display::shown((self.factor, self.decimals, self.unit))
     }
 
     /// Name and unit, as the title of an axis has them.
     pub fn label(&self) -> String {
-        if self.unit.is_empty() { self.name.to_owned() } else { format!("{}, {}", self.name, self.unit) }
+        self.with_unit(self.name)
     }
 
     /// Symbol and unit, as the head of a column has them.
     pub fn head(&self) -> String {
-        if self.unit.is_empty() { self.symbol.to_owned() } else { format!("{}, {}", self.symbol, self.unit) }
+        self.with_unit(self.symbol)
+    }
+
+    fn with_unit(&self, text: &str) -> String {
+        let (_, _, unit) = self.shown();
+        if unit.is_empty() { text.to_owned() } else { format!("{text}, {unit}") }
     }
 }

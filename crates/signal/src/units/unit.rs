@@ -65,10 +65,10 @@ impl Dimension {
     }
 }
 
-const MILE_M: f64 = 1609.344;
-const INCH_M: f64 = 0.0254;
-const FOOT_M: f64 = 0.3048;
-const POUND_KG: f64 = 0.453_592_37;
+pub(super) const MILE_M: f64 = 1609.344;
+pub(super) const INCH_M: f64 = 0.0254;
+pub(super) const FOOT_M: f64 = 0.3048;
+pub(super) const POUND_KG: f64 = 0.453_592_37;
 const DEGREE_RAD: f64 = std::f64::consts::PI / 180.0;
 
 use Dimension::{Area, Damping, Frequency, Mass, Share, Signal, Stiffness, Time};
@@ -119,6 +119,7 @@ const UNITS: &[(&[&str], Dimension, f64)] = &[
     (&["N", "NWT"], Signal(Q::Force), 1.0),
     (&["kN", "KN"], Signal(Q::Force), 1e3),
     (&["lbf"], Signal(Q::Force), POUND_KG * STANDARD_GRAVITY_M_PER_S2),
+    (&["kip", "kips"], Signal(Q::Force), 1e3 * POUND_KG * STANDARD_GRAVITY_M_PER_S2),
     (&["N*m", "Nm", "N.m", "N·m", "NWM"], Signal(Q::Moment), 1.0),
     (&["kN*m", "kNm"], Signal(Q::Moment), 1e3),
     (&["rad"], Signal(Q::Angle), 1.0),

@@ -65,10 +65,13 @@ fn check_key_numbers(page: &Page, summary: &Value) {
         assert!(value.is(&number["value"]) || value.is(&magnitude), "{card}: {number}");
         assert_eq!(lines[0].starts_with('\u{2265}'), number["is_lower_bound"] == true, "{card}: {number}");
         for line in &lines[1..] {
-            if line.starts_with("inputs") {
-                pair(line, "interval", &number["low"], &number["high"]);
-            } else if line.contains(" sensors: ") {
-                pair(line, "spread", &number["spread"]["low"], &number["spread"]["high"]);
+            // The words of the bar have both, one behind the other.
+            for words in line.split("; ") {
+                if words.starts_with("inputs") {
+                    pair(words, "interval", &number["low"], &number["high"]);
+                } else if words.contains(" sensors: ") {
+                    pair(words, "spread", &number["spread"]["low"], &number["spread"]["high"]);
+                }
             }
         }
     }

@@ -210,7 +210,7 @@ fn the_usual_settings_are_a_form() {
     page.drop_at(700.0, 300.0, &[&fixture("kelvin")]);
     wait_until(&page, &["done", "refused"]);
     let names = page.ask("return fields.filter((f) => !f.place.hidden).map((f) => f.input.id);");
-    assert_eq!(names, serde_json::json!(["mass", "impact_speed", "unit", "time_zero", "cfc", "models"]));
+    assert_eq!(names, serde_json::json!(["mass", "impact_speed", "unit", "time_zero", "cfc", "models", "display"]));
     page.ask("element('settings').open = true; element('cfc').focus();");
     page.write("181");
     page.press("Enter");

@@ -1,7 +1,10 @@
 //! What a figure says: panels of curves, bands and marks over axes, and one legend for all of them. No coordinates of
 //! paper stand here; `panel` draws it.
 
+use std::borrow::Cow;
+
 use crumple_signal::Sampled;
+use crumple_signal::display::{factor_shown, unit_shown};
 
 use super::look::{Colour, Dash, Look};
 use super::thinning::extremes;
@@ -69,6 +72,8 @@ pub struct Panel {
 pub struct Axis {
     /// Quantity and unit: `force, kN`.
     pub title: String,
+    /// Unit of the points, where the page shows them in that of its reader; empty: as they are.
+    pub unit: &'static str,
     /// Whether equal factors are equal distances.
     pub logarithmic: bool,
     /// Ends of the first view; `None`: all that is shown at first.
@@ -205,6 +210,25 @@ impl Panel {
         self.band(entry, &band);
     }
 
+    /// The panel as it is drawn: both axes in the units of the reader.
+    pub(super) fn shown(&self) -> Cow<'_, Self> {
+        let [along, up] = [&self.x, &self.y].map(|axis| factor_shown(axis.unit));
+        if [along, up] == [1.0, 1.0] {
+            return Cow::Borrowed(self);
+        }
+        let mut panel = self.clone();
+        let moved = |point: &mut [f64; 2]| *point = [along * point[0], up * point[1]];
+        panel.curves.iter_mut().chain(&mut panel.bands).flat_map(|curve| &mut curve.points).for_each(moved);
+        panel.dots.iter_mut().chain(panel.guides.iter_mut().flatten()).for_each(moved);
+        panel.labels.iter_mut().for_each(|label| moved(&mut label.at));
+        panel.links.iter_mut().for_each(|link| moved(&mut link.at));
+        panel.windows.iter_mut().chain(&mut panel.x.view).flatten().for_each(|x| *x *= along);
+        panel.y.view.iter_mut().flatten().for_each(|y| *y *= up);
+        panel.marks.iter_mut().for_each(|mark| mark.at *= along);
+        panel.follows = panel.follows.map(|per| up * per);
+        Cow::Owned(panel)
+    }
+
     /// Marks a place of `x`.
     pub fn mark(&mut self, at: f64, name: impl Into<String>, colour: Colour, dash: Dash) {
         self.marks.push(Mark { at, name: name.into(), colour, dash });
@@ -215,6 +239,11 @@ impl Axis {
     /// A linear axis that shows all there is.
     pub fn new(title: impl Into<String>) -> Self {
         Self { title: title.into(), ..Self::default() }
+    }
+
+    /// Of a quantity whose points are in a unit of metric pages; it is drawn in that of the reader.
+    pub fn of((name, unit): (&str, &'static str)) -> Self {
+        Self { unit, ..Self::new(format!("{name}, {}", unit_shown(unit))) }
     }
 
     /// With these ends.

@@ -1,6 +1,7 @@
 //! A panel as vector graphics, 560 units wide: readable at that width, and with the larger type of a narrow window or
 //! of paper at half of it.
 
+use std::borrow::Cow;
 use std::fmt::Write;
 
 use super::figure::{Axis, Curve, Figure, Panel};
@@ -28,7 +29,7 @@ const WIDEST_CHARACTER: f64 = 1.15 * CHARACTER;
 /// A panel with its scales.
 pub struct Drawing<'a> {
     figure: &'a Figure,
-    panel: &'a Panel,
+    panel: Cow<'a, Panel>,
     x: Scale,
     y: Scale,
     /// Row of each mark's name, from the axes upward.
@@ -40,15 +41,16 @@ pub struct Drawing<'a> {
 impl<'a> Drawing<'a> {
     /// Lays a panel of the figure out.
     pub fn new(figure: &'a Figure, panel: &'a Panel) -> Self {
-        let x = along(figure, panel);
+        let panel = panel.shown();
+        let x = along(figure, &panel);
         let in_view = |p: &&[f64; 2]| (x.view[0]..=x.view[1]).contains(&p[0]);
         let y_view = panel.y.view.unwrap_or_else(|| {
             let dots = panel.dots.iter().map(|p| p[1]).chain(panel.links.iter().map(|link| link.at[1]));
-            let points = shown(figure, panel).flat_map(|c| &c.points).filter(in_view);
+            let points = shown(figure, &panel).flat_map(|c| &c.points).filter(in_view);
             reach(&panel.y, 0.06, points.map(|p| p[1]).chain(dots))
         });
         let y = Scale::new(&panel.y, y_view, [panel.height, 0.0]);
-        let rows = rows_of_names(panel, &x);
+        let rows = rows_of_names(&panel, &x);
         let room = figure.panels.iter().flat_map(|panel| rows_of_names(panel, &along(figure, panel)));
         let room = room.max().map_or(0, |row| row + 1);
         Self { figure, panel, x, y, rows, room }

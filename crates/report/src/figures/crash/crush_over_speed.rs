@@ -21,7 +21,7 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let line = figure.entry(capitalised(&run.name_of(best)), look, true);
     let band = figure.entry("its 90 % interval", Look::area(Colour::Series(0)), true);
     let km_per_h = |speed: f64| KM_PER_H_PER_M_PER_S * speed;
-    let mut panel = Panel::new(Axis::new("impact speed, km/h"), Axis::new("dynamic crush, mm"));
+    let mut panel = Panel::new(Axis::of(("impact speed", "km/h")), Axis::of(("dynamic crush", "mm")));
     let edge = |p: &&PredictionV1| {
         let interval = p.intervals.iter().find(|interval| interval.name == "dynamic_crush_m")?;
         Some([km_per_h(p.impact_speed_m_per_s), MILLI * interval.low, MILLI * interval.high])

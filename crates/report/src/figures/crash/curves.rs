@@ -6,7 +6,7 @@ use super::force;
 use super::same_place::Envelope;
 use crate::drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI, NBSP};
 use crate::drawing::{Axis, Colour, Dash, Entry, Figure, Look, Panel, Width, over_time, span};
-use crate::figures::time_view::{ACCELERATION, DISPLACEMENT, VELOCITY, over_time_axis, time_view_ms};
+use crate::figures::time_view::{ACCELERATION, DISPLACEMENT, Titled, VELOCITY, over_time_axis, time_view_ms};
 use crate::findings::{CandidateResult, Ranking, Run};
 use crate::words;
 use crumple_signal::Sampled;
@@ -67,18 +67,18 @@ fn drawn(id: &'static str, title: &str, run: &Run, models: &DrawnModels<'_>) -> 
     let view = view_ms(run);
 
     type Of = fn(&CandidateResult) -> Option<&Sampled>;
-    let acceleration: (_, &str, f64, Of) =
+    let acceleration: (_, Titled, f64, Of) =
         (run.acceleration(), ACCELERATION, G_PER_M_PER_S2, |c| c.acceleration.as_ref());
-    let velocity: (_, &str, f64, Of) =
+    let velocity: (_, Titled, f64, Of) =
         (measured.velocity.as_ref(), VELOCITY, KM_PER_H_PER_M_PER_S, |c| c.velocity.as_ref());
-    let displacement: (_, &str, f64, Of) =
+    let displacement: (_, Titled, f64, Of) =
         (measured.displacement.as_ref(), DISPLACEMENT, MILLI, |c| c.displacement.as_ref());
     for (place, (signal, title, factor, of)) in [acceleration, velocity, displacement].into_iter().enumerate() {
         let Some(signal) = signal else { continue };
         let drawn: Vec<(usize, &Sampled)> =
             models.models.iter().zip(&entries).filter_map(|((c, _), entry)| Some((*entry, of(c)?))).collect();
         let shown = drawn.iter().filter(|(entry, _)| figure.legend[*entry].shown).map(|(_, signal)| *signal);
-        let mut panel = over_time_axis(view, Axis { view: y_view(signal, shown, factor, view), ..Axis::new(title) });
+        let mut panel = over_time_axis(view, Axis { view: y_view(signal, shown, factor, view), ..Axis::of(title) });
         if let Some(edges) = envelope.as_ref().and_then(|e| e.edges(place, factor)) {
             panel.band(same_place, &edges);
         }

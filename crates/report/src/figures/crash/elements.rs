@@ -16,9 +16,9 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let candidate = best.or_else(first)?;
     let to_s = candidate.simulation.as_ref().map_or(f64::INFINITY, |s| s.to_s);
     let one_mass = candidate.masses.is_empty();
-    let title = if one_mass { "compression of the front, mm" } else { "compression between the masses, mm" };
+    let compressed = if one_mass { "compression of the front" } else { "compression between the masses" };
     let mut figure = Figure::new("elements", "Springs and dampers at work");
-    let mut panel = Panel::new(Axis::new(title), Axis::new(FORCE));
+    let mut panel = Panel::new(Axis::of((compressed, "mm")), Axis::of(FORCE));
     for element in &candidate.elements {
         let from = element.force.index_at_or_after(0.0);
         let last = element.force.index_at_or_after(to_s).saturating_add(1).min(element.force.len());

@@ -1,6 +1,6 @@
 //! Force against crush: loading and unloading, the equal-energy line, the models, the barrier's load cells.
 
-use crate::drawing::numbers::{G_PER_M_PER_S2, KILO, MILLI, NBSP};
+use crate::drawing::numbers::{G_PER_M_PER_S2, KILO, MILLI};
 use crate::drawing::{Axis, Colour, Dash, Figure, Look, Panel, over, span};
 use crate::figures::time_view::{DISPLACEMENT, FORCE};
 use crate::findings::{CandidateResult, Run};
@@ -24,13 +24,13 @@ pub fn panel(
         None => Ordinate {
             signal: negated(run.acceleration()?)?,
             factor: G_PER_M_PER_S2,
-            title: "deceleration, g (mass not known)",
+            title: ("deceleration (mass not known)", "g"),
         },
     };
     // After separation the force is noise about zero: the unloading branch ends at the rebound, if the record shows it.
     let t_end = run.events.as_ref().and_then(|e| e.time_of_rebound_s).unwrap_or(f64::INFINITY);
     let (loading, unloading) = branches(displacement, &drawn, run.time_of_crush_s(), t_end);
-    let mut panel = Panel::new(Axis::new(DISPLACEMENT), Axis::new(drawn.title));
+    let mut panel = Panel::new(Axis::of(DISPLACEMENT), Axis::of(drawn.title));
     // What an acceleration of 1 g is on this axis: a body's own mass times it, or itself.
     let per_g = match (&run.measured.force, run.test.mass_kg) {
         (Some(_), mass_kg) => mass_kg.map(|mass_kg| -KILO * mass_kg / G_PER_M_PER_S2),
@@ -121,7 +121,7 @@ fn load_cells(cells: &Sampled, displacement: &Sampled, t_end: f64) -> Vec<[f64; 
 }
 
 fn caption(run: &Run, crush: Option<f64>, loading: &Branch, unloading: &Branch) -> String {
-    let with_unit = |value: f64, unit: &str| format!("{}{NBSP}{unit}", words::significant(value, 4));
+    let with_unit = |value: f64, unit: &str| words::significant_quantity(value, 4, unit);
     let mut caption = String::from(" ");
     if crush.is_some() && run.test.mass_kg.is_some() && run.measured.force.is_some() {
         let work = with_unit(KILO * loading.work(), "kJ");
@@ -152,7 +152,7 @@ fn caption(run: &Run, crush: Option<f64>, loading: &Branch, unloading: &Branch) 
 struct Ordinate {
     signal: Sampled,
     factor: f64,
-    title: &'static str,
+    title: (&'static str, &'static str),
 }
 
 fn negated(signal: &Sampled) -> Option<Sampled> {

@@ -24,10 +24,11 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let used = divisions.m2_kg / divisions.m1_kg;
     let feasible = divisions.feasible_ranges();
     let mut figure = Figure::new("mass-split", "Mass splits that a double model can have");
-    let logarithmic = |title: &str| Axis { logarithmic: true, ..Axis::new(title) };
-    let over_ratio =
-        |title: &str| Panel::new(logarithmic("mass ratio m2/m1 (compartment over chassis)"), logarithmic(title));
-    let mut panels = ["stiffness, kN/m", "damping, kN·s/m"].map(over_ratio);
+    let logarithmic = |axis: Axis| Axis { logarithmic: true, ..axis };
+    let over_ratio = |title| {
+        Panel::new(logarithmic(Axis::new("mass ratio m2/m1 (compartment over chassis)")), logarithmic(Axis::of(title)))
+    };
+    let mut panels = [("stiffness", "kN/m"), ("damping", "kN·s/m")].map(over_ratio);
     for (place, &(name, panel, value, symbols)) in PARAMETERS.iter().enumerate() {
         for (physical, symbol) in [true, false].into_iter().zip(symbols) {
             // Negative values have no place on a logarithmic axis.
@@ -55,7 +56,7 @@ fn caption(divisions: &Divisions, used: f64, feasible: &[(f64, f64)]) -> String 
         Some(bound) => format!("They exist only for m2/m1 up to {}.", words::significant(bound, 3)),
         None => "No division allows them: the identified polynomial is not that of a passive structure.".to_owned(),
     };
-    let total = format!("{} kg", words::significant(divisions.m1_kg + divisions.m2_kg, 4));
+    let total = words::significant_quantity(divisions.m1_kg + divisions.m2_kg, 4, "kg");
     let source = &divisions.source;
     let what = if divisions.fitted {
         format!(

@@ -9,7 +9,7 @@ use crate::findings::Run;
 /// A curve a channel; `None` without any.
 pub fn figure(run: &Run) -> Option<Figure> {
     let mut figure = Figure::new("recorded", "What the recorder kept");
-    let mut changes = over_time_axis(view_ms(run), Axis::new("change of velocity, km/h"));
+    let mut changes = over_time_axis(view_ms(run), Axis::of(("change of velocity", "km/h")));
     let mut first = None;
     for (place, (id, change)) in run.recorded_changes.iter().enumerate() {
         let colour = place.checked_sub(1).map_or(Colour::Test, Colour::Series);
@@ -20,7 +20,7 @@ pub fn figure(run: &Run) -> Option<Figure> {
     let first = first?;
     figure.panels.push(changes);
     if let Some(way) = &run.measured.displacement {
-        let mut panel = over_time_axis(view_ms(run), Axis::new(DISPLACEMENT));
+        let mut panel = over_time_axis(view_ms(run), Axis::of(DISPLACEMENT));
         panel.line(first, over_time(way, MILLI));
         figure.panels.push(panel);
     }

@@ -7,7 +7,7 @@ use crumple_signal::Sampled;
 
 use super::curves::{view_ms, window_ms};
 use super::drawn_models::DrawnModels;
-use crate::figures::time_view::over_time_axis;
+use crate::figures::time_view::{Titled, over_time_axis};
 
 /// Models drawn: the recommended, the closest, then by rank. A residual has many times the points of a motion.
 const DRAWN: usize = 6;
@@ -26,13 +26,13 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
     let name_of_band = "recommended: 95 % band from its parameters";
     let moved = band.is_some().then(|| figure.entry(name_of_band, Look::area(Colour::Test), true));
     type Of = fn(&CandidateResult) -> Option<&Sampled>;
-    let displacement: (_, &str, f64, Of) =
-        (&run.measured.displacement, "residual of the displacement, mm", MILLI, |c| c.displacement.as_ref());
-    let velocity: (_, &str, f64, Of) =
-        (&run.measured.velocity, "residual of the velocity, km/h", KM_PER_H_PER_M_PER_S, |c| c.velocity.as_ref());
+    let displacement: (_, Titled, f64, Of) =
+        (&run.measured.displacement, ("residual of the displacement", "mm"), MILLI, |c| c.displacement.as_ref());
+    let velocity: (_, Titled, f64, Of) =
+        (&run.measured.velocity, ("residual of the velocity", "km/h"), KM_PER_H_PER_M_PER_S, |c| c.velocity.as_ref());
     let bands = [band.map(|b| (b.dt_s, &b.displacement_m)), band.map(|b| (b.dt_s, &b.velocity_m_per_s))];
     for ((test, title, factor, of), band) in [displacement, velocity].into_iter().zip(bands) {
-        let mut panel = over_time_axis(view_ms(run), Axis::new(title));
+        let mut panel = over_time_axis(view_ms(run), Axis::of(title));
         if let Some((entry, (dt_s, half_widths))) = moved.zip(band) {
             let edge = |(k, half): (usize, &f64)| [MILLI * k as f64 * dt_s, -factor * half, factor * half];
             panel.band(entry, &half_widths.iter().enumerate().map(edge).collect::<Vec<_>>());

@@ -31,8 +31,8 @@ pub fn figure(run: &Run, ranking: &Ranking) -> Option<Figure> {
          model was not compared with and no mass stands for wait in the legend.",
     );
     let view = view_ms(run).map(|[from, to]| [from.max(0.0), to]);
-    let mut velocity = over_time_axis(view, Axis::new(VELOCITY));
-    let axis = Axis { view: displacement_view(run, view), ..Axis::new(DISPLACEMENT) };
+    let mut velocity = over_time_axis(view, Axis::of(VELOCITY));
+    let axis = Axis { view: displacement_view(run, view), ..Axis::of(DISPLACEMENT) };
     let mut displacement = over_time_axis(view, axis);
     let mut push = |name: String, look: Look, shown: bool, v: Option<&Sampled>, x: Option<&Sampled>| {
         let entry = figure.entry(name, look, shown);

@@ -4,6 +4,7 @@ use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI};
 use crate::words;
 use crumple_artifact::records::{EventsV1, MetricV1, PredictionV1};
 use crumple_signal::About;
+use crumple_signal::display::factor_shown;
 use crumple_signal::key_quantities::{CRUSH, DELTA_V, OLC, PEAK, STIFFNESS, STROKE};
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -160,7 +161,12 @@ pub(super) struct Text<'a> {
 
 impl<'a> Text<'a> {
     /// A number of the summary, shown by `factor`, so many decimals and the unit.
-    pub(super) fn number(&mut self, at: &str, value: f64, (factor, places, unit): (f64, usize, &str)) -> String {
+    pub(super) fn number(
+        &mut self,
+        at: &str,
+        value: f64,
+        (factor, places, unit): (f64, usize, &'static str),
+    ) -> String {
         let shown = words::quantity(factor * value, places, unit);
         self.numbers.push(Number { at: at.to_owned(), value, shown: shown.clone() });
         shown
@@ -260,10 +266,10 @@ impl<'a> Text<'a> {
         format!("at {speed}{}", with_mass_against(mass, partner.as_deref()))
     }
 
-    /// A speed in km/h, with a decimal where it has one.
+    /// A speed, with a decimal where it has one.
     fn speed(&mut self, at: &str, speed_m_per_s: f64) -> String {
-        let km_per_h = KM_PER_H_PER_M_PER_S * speed_m_per_s;
-        let places = usize::from((km_per_h - km_per_h.round()).abs() >= 0.05);
+        let shown = factor_shown("km/h") * KM_PER_H_PER_M_PER_S * speed_m_per_s;
+        let places = usize::from((shown - shown.round()).abs() >= 0.05);
         self.number(at, speed_m_per_s, (KM_PER_H_PER_M_PER_S, places, "km/h"))
     }
 

@@ -12,7 +12,7 @@ pub fn several_tests(joint: &JointTests) -> String {
     let speeds: Vec<f64> =
         joint.tests.iter().map(|test| KM_PER_H_PER_M_PER_S * test.test.impact_speed_m_per_s).collect();
     let (low, high) = span(&speeds).unwrap_or_default();
-    let speeds = words::between(&words::decimals(low, 1), &words::quantity(high, 1, "km/h"));
+    let speeds = words::between(&words::cell(low, 1, "km/h"), &words::quantity(high, 1, "km/h"));
     let fitted = format!("One model was fitted to {} tests at {speeds}: {}.", names.len(), names.join(", "));
     let against: Vec<_> = joint.tests.iter().filter_map(|test| test.against()).collect();
     let errors = against.iter().filter_map(|against| against.dynamic_crush_error_percent);

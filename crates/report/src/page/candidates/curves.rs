@@ -23,7 +23,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     }
     let speeds = speeds(run);
     let has_evidence = run.recommendation.as_ref().is_some_and(|choice| !choice.candidates.is_empty());
-    let of_speed = |speed: &f64| format!("C at {}, mm", words::quantity(KM_PER_H_PER_M_PER_S * speed, 0, "km/h"));
+    let of_speed = |speed: &f64| format!("C at {}", words::quantity(KM_PER_H_PER_M_PER_S * speed, 0, "km/h"));
     let at_speeds: Vec<String> = speeds.iter().map(of_speed).collect();
     let mut columns = vec![Column::text("Model"), Column::number("Determined")];
     if has_evidence {
@@ -44,6 +44,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     }
     columns.extend(at_speeds.iter().map(|name| {
         Column::number(name)
+            .of("mm")
             .means("Dynamic crush as predicted at this speed, same mass, same wall; below it the 90 % interval.")
     }));
     out.push_str(&table("candidates curves", &columns));
@@ -110,7 +111,7 @@ fn row(out: &mut String, run: &Run, ranking: &Ranking, curve: &DistinctCurve, sp
         String::new()
     };
     let errors: String = [
-        number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| words::signed(MILLI * v, 1)),
+        number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| words::signed_cell(MILLI * v, 1, "mm")),
         number(simulation.and_then(|s| s.time_of_dynamic_crush_error_s), &|v| words::signed(MILLI * v, 1)),
         number(candidate.fit_percent(), &|v| words::decimals(v, 2)),
     ]

@@ -21,7 +21,7 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         Column::text("Physical").means("No parameter is negative: a passive structure."),
         Column::number("Fit, %")
             .means("100 (1 − |x − x̂| / |x − mean x|) of the displacement over the compared window."),
-        Column::number("RMSE, mm").means("Root mean square displacement error over the compared window."),
+        Column::number("RMSE").of("mm").means("Root mean square displacement error over the compared window."),
         CRUSH_ERROR,
         TIME_ERROR,
     ];
@@ -116,8 +116,8 @@ fn row(out: &mut String, run: &Run, ranking: &Ranking, candidate: &CandidateResu
         parameters(candidate),
         if record.physical { "yes" } else { "<span class=\"no\">no</span>" },
         number(candidate.fit_percent(), &|v| words::decimals(v, 2)),
-        number(simulation.and_then(|s| s.rmse_displacement_m), &|v| words::decimals(MILLI * v, 2)),
-        number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| words::signed(MILLI * v, 2)),
+        number(simulation.and_then(|s| s.rmse_displacement_m), &|v| words::cell(MILLI * v, 2, "mm")),
+        number(simulation.and_then(|s| s.dynamic_crush_error_m), &|v| words::signed_cell(MILLI * v, 2, "mm")),
         number(simulation.and_then(|s| s.time_of_dynamic_crush_error_s), &|v| words::signed(MILLI * v, 2)),
     ));
 }
@@ -142,10 +142,10 @@ fn how_well_known(candidate: &CandidateResult) -> Vec<String> {
     let others = simulation.other_sensors.iter().map(|other| {
         let fit = other.fit_percent.map(|fit| format!(", fit {} %", words::decimals(fit, 2)));
         format!(
-            "Sensor {} on mass {}, which the fit did not use: {} mm root mean square{}.",
+            "Sensor {} on mass {}, which the fit did not use: {} root mean square{}.",
             other.channel,
             other.mass,
-            words::decimals(MILLI * other.rmse_displacement_m, 2),
+            words::quantity(MILLI * other.rmse_displacement_m, 2, "mm").replace(NBSP, " "),
             fit.unwrap_or_default()
         )
     });

@@ -13,7 +13,7 @@ mod uncertainty;
 pub(super) const STYLE: &str = include_str!("style.css");
 
 // Columns that two tables have.
-const CRUSH_ERROR: Column = Column::number("ΔC, mm").means("Dynamic crush, model minus test.");
+const CRUSH_ERROR: Column = Column::number("ΔC").of("mm").means("Dynamic crush, model minus test.");
 const TIME_ERROR: Column = Column::number("Δt<sub>m</sub>, ms").means("Time of dynamic crush, model minus test.");
 
 pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking, status: Option<Status>) {

@@ -73,7 +73,7 @@ fn write_one(out: &mut String, run: &Run, number: usize, role: &str, candidate: 
     match parts(candidate) {
         Some(parts) => {
             let speed = run.test.impact_speed_m_per_s.filter(|_| run.joint.is_none());
-            let speed = speed.map(|v| format!("{} km/h", words::decimals(KM_PER_H_PER_M_PER_S * v, 1)));
+            let speed = speed.map(|v| words::quantity(KM_PER_H_PER_M_PER_S * v, 1, "km/h").replace(NBSP, " "));
             let layout = layout(&parts);
             let motion = view_ms(run).and_then(|[_, until_ms]| motion(candidate, &layout, until_ms));
             out.push_str(&svg::drawing(
@@ -129,7 +129,7 @@ fn words(run: &Run, candidate: &CandidateResult) -> String {
 fn against_its_test(run: &Run, simulation: &SimulationV1) -> Option<String> {
     let pair = |what: &str, model: Option<f64>, error: Option<f64>, (factor, places, unit): (f64, usize, &str)| {
         let (model, error) = model.zip(error)?;
-        let test = words::decimals(factor * (model - error), places);
+        let test = words::cell(factor * (model - error), places, unit);
         Some(format!("{what} {} ({test})", words::quantity(factor * model, places, unit)))
     };
     let measured = run.events.as_ref().and_then(|events| events.coefficient_of_restitution);

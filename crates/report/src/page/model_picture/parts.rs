@@ -3,12 +3,13 @@
 use crate::words;
 use std::collections::BTreeMap;
 
-use crate::drawing::numbers::KILO;
+use crate::drawing::numbers::{KILO, NBSP};
 use crate::findings::{CandidateResult, ShownParameter};
 use crumple_artifact::records::Certainty;
 use crumple_lumped::{
     Chain, Element, Model, ModelKind, Node, ParameterKind, Place, Structure, parameter_kind, structure_of,
 };
+use crumple_signal::display::{factor_shown, unit_shown};
 
 /// What a drawing of a model needs.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,8 +72,8 @@ pub fn parts(candidate: &CandidateResult) -> Option<Parts> {
         .map(|(i, kg)| {
             let name = owners.iter().find(|(_, place)| **place == Place::Mass(i)).map(|(name, _)| name.as_str());
             let known = name.map(|name| Known::of(candidate, name)).unwrap_or_default();
-            let value = known.value.unwrap_or_else(|| words::significant(*kg, 4));
-            let mut lines = vec![format!("{value} kg{}", if known.open { " ?" } else { "" })];
+            let value = known.value.unwrap_or_else(|| words::significant(factor_shown("kg") * kg, 4));
+            let mut lines = vec![format!("{value} {}{}", unit_shown("kg"), if known.open { " ?" } else { "" })];
             // The mark says that it is in doubt; there is no room for more.
             lines.extend(known.interval.filter(|_| !known.open));
             MassPart { symbol: numbered("m", i, alone), lines, open: known.open }
@@ -240,9 +241,11 @@ fn words_of_curve(
         let at_knot = format!("knot{index}_n");
         let known = known.iter().find(|(name, _)| name.ends_with(at_knot.as_str())).map(|(_, known)| known);
         let doubt = if known.is_some_and(|known| known.open) { " ?" } else { "" };
-        let force = known.and_then(|known| known.value.clone()).unwrap_or_else(|| words::significant(KILO * force, 3));
-        let deflection = words::significant(1e3 * deflection, 3);
-        lines.push(format!("{symbol} up to {force} kN at {deflection} mm{doubt}"));
+        let force = known
+            .and_then(|known| known.value.clone())
+            .unwrap_or_else(|| words::significant(factor_shown("kN") * KILO * force, 3));
+        let deflection = words::significant_quantity(1e3 * deflection, 3, "mm").replace(NBSP, " ");
+        lines.push(format!("{symbol} up to {force} {} at {deflection}{doubt}", unit_shown("kN")));
         lines.extend(known.and_then(|known| known.interval.clone()));
     }
     let count = knots.len().saturating_sub(1);
@@ -259,11 +262,11 @@ fn knots_determined(count: usize, (open, asked): (usize, usize)) -> String {
 
 /// `k 0 to 643 kN/m`, and how many of its numbers are open.
 fn range_of_knots(symbol: &str, knots: &[(f64, f64)], unit: &str, (open, asked): (usize, usize)) -> Vec<String> {
-    let values = knots.iter().map(|(_, value)| KILO * value);
+    let values = knots.iter().map(|(_, value)| factor_shown(unit) * KILO * value);
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
     let doubt = if open > 0 { " ?" } else { "" };
     let [low, high] = [low, high].map(|end| words::significant(end, 3));
-    let mut lines = vec![format!("{symbol} {} {unit}{doubt}", words::between(&low, &high))];
+    let mut lines = vec![format!("{symbol} {} {}{doubt}", words::between(&low, &high), unit_shown(unit))];
     if asked > 0 {
         lines.push(knots_determined(knots.len(), (open, asked)));
     }

@@ -123,7 +123,7 @@
     for (let step = 0, t = 0; t <= until; step += 1, t = step * h) {
       rates(y, a);
       if (step % keep === 0) {
-        result.t.push(1e3 * t); result.x.push(1e3 * y[p]); result.a.push(data.g * a[n + p]);
+        result.t.push(1e3 * t); result.x.push(data.length[0] * y[p]); result.a.push(data.g * a[n + p]);
       }
       const v = y[n + p], x = y[p], acceleration = a[n + p];
       for (let i = 0; i < size; i += 1) { z[i] = y[i] + 0.5 * h * a[i]; }
@@ -151,6 +151,9 @@
 
   const identified = { stiffness: 1, damping: 1, mass: 1, speed: data.v0 };
   const original = integrate(identified);
+  // Factor from SI, decimals and unit.
+  const length = function (m) { return number(data.length[0] * m, data.length[1]) + " " + data.length[2]; };
+  const [perKg, , kg] = data.mass, [perSpeed, , speedUnit] = data.speed;
   const off = function (found, stage) { return Math.abs(found - stage) / stage; };
   const state = section.querySelector(".state");
   section.hidden = false;
@@ -158,7 +161,7 @@
       || off(original.time, data.time) > TOLERANCE) {
     section.dataset.state = "off";
     const stopped = original !== null && original.time !== null;
-    const motion = function (m) { return `${number(1e3 * m.crush, 1)} mm at ${number(1e3 * m.time, 2)} ms`; };
+    const motion = function (m) { return `${length(m.crush)} at ${number(1e3 * m.time, 2)} ms`; };
     const instead = stopped ? ` (${motion(original)} instead of ${motion(data)})` : "";
     state.textContent =
       `Switched off: this page does not find the crush and time of the simulation again${instead}.`;
@@ -173,10 +176,10 @@
     { key: "k", of: "stiffness", name: "Stiffness", unit: "%", low: 50, high: 200, step: 1, per: 0.01 },
     { key: "c", of: "damping", name: damped ? "Damping" : "Rate effect", unit: "%", low: 0, high: 300, step: 1,
       per: 0.01 },
-    { key: "m", of: "mass", name: "Mass", unit: "kg", low: Math.round(0.5 * total), high: Math.round(2 * total),
-      step: 1, per: 1 / total },
-    { key: "v", of: "speed", name: "Speed", unit: "km/h", low: 10,
-      high: Math.max(120, Math.ceil(1.5 * data.kmh * data.v0)), step: 0.1, per: 1 / data.kmh },
+    { key: "m", of: "mass", name: "Mass", unit: kg, low: Math.round(0.5 * perKg * total),
+      high: Math.round(2 * perKg * total), step: 1, per: 1 / (perKg * total) },
+    { key: "v", of: "speed", name: "Speed", unit: speedUnit, low: Math.ceil(2.7 * perSpeed),
+      high: Math.ceil(perSpeed * Math.max(33.3, 1.5 * data.v0)), step: 0.1, per: 1 / perSpeed },
   ].filter(function (s) { return s.key !== "c" || damped || rated; });
 
   const controls = section.querySelector(".controls");
@@ -221,7 +224,8 @@
     return all;
   }
   function panel(svg, title, unit, curves) {
-    const W = 350, H = 210, L = 46, R = 8, T = 22, B = 34;
+    // The frame of all figures.
+    const W = 560, H = 306, L = 66, R = 14, T = 26, B = 50;
     const all = curves.reduce(function (list, c) { return list.concat(c.points); }, []);
     const bound = function (i, pick) { return all.reduce(function (m, p) { return pick(m, p[i]); }, 0); };
     const right = bound(0, Math.max), low = bound(1, Math.min), high = bound(1, Math.max);
@@ -230,15 +234,17 @@
     svg.replaceChildren();
     shape(svg, "title", {}, title + " over time: test, model as identified, model as set");
     ticks(low, high).forEach(function (v) {
-      shape(svg, "path", { class: "grid", d: "M" + L + " " + y(v).toFixed(1) + "H" + (W - R) });
-      shape(svg, "text", { x: L - 5, y: (y(v) + 4).toFixed(1), "text-anchor": "end" },
+      shape(svg, "path", { class: "g", d: "M" + L + " " + y(v).toFixed(1) + "H" + (W - R) });
+      shape(svg, "text", { x: L - 6, y: (y(v) + 4.5).toFixed(1), "text-anchor": "end" },
         String(v).replace("-", "\u2212"));
     });
     ticks(0, right).forEach(function (t) {
-      shape(svg, "text", { x: x(t).toFixed(1), y: H - B + 15, "text-anchor": "middle" }, String(t));
+      shape(svg, "text", { x: x(t).toFixed(1), y: H - B + 19, "text-anchor": "middle" }, String(t));
     });
-    shape(svg, "text", { x: L, y: 13 }, title + ", " + unit);
-    shape(svg, "text", { x: W - R, y: H - 4, "text-anchor": "end" }, "time after contact, ms");
+    shape(svg, "rect", { class: "frame", x: L, y: T, width: W - L - R, height: H - T - B });
+    shape(svg, "text", { class: "t", x: 4, y: 16 }, title.toLowerCase() + ", " + unit);
+    shape(svg, "text", { class: "t", x: (L + W - R) / 2, y: H - 8, "text-anchor": "middle" },
+      "time after time zero, ms");
     curves.forEach(function (c) {
       const d = c.points.map(function (p, i) {
         return (i ? "L" : "M") + x(p[0]).toFixed(1) + " " + y(p[1]).toFixed(1);
@@ -276,7 +282,7 @@
     const stops = result !== null && result.time !== null;
     let answer = "The model does not stop.";
     if (stops) {
-      const crush = `${number(1e3 * result.crush, 1)} mm (${percent(result.crush, original.crush)})`;
+      const crush = `${length(result.crush)} (${percent(result.crush, original.crush)})`;
       const time = `${number(1e3 * result.time, 1)} ms (${percent(result.time, original.time)})`;
       const restitution = result.rebound === null ? ""
         : ", restitution " + number(Math.max(0, -result.rebound / change.speed), 3);
@@ -287,7 +293,7 @@
     }
     section.querySelector(".answer").textContent = answer;
     if (result !== null) {
-      [["Displacement", "mm", "x", data.displacement], ["Acceleration", "g", "a", data.acceleration]]
+      [["Displacement", data.length[2], "x", data.displacement], ["Acceleration", "g", "a", data.acceleration]]
         .forEach(function (p, i) {
           const curves = [{ name: "identified", points: points(original, p[2]) },
             { name: "changed", points: points(result, p[2]) }];
