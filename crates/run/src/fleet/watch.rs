@@ -163,7 +163,7 @@ mod tests {
         let mut look = || arrivals.whole(records_below(folder.path()).unwrap().records);
         assert_eq!(look(), [PathBuf::new(); 0]);
         fs::write(&record, "").unwrap();
-        assert_eq!([look(), look()], [const { Vec::new() }; 2], "an empty file is about to be written");
+        assert_eq!([look(), look()], [const { Vec::<PathBuf>::new() }; 2], "an empty file is about to be written");
         fs::write(&record, "time_s,accel_g\n0,0\n").unwrap();
         assert!(look().is_empty());
         fs::write(&record, "time_s,accel_g\n0,0\n1,0\n").unwrap();
