@@ -82,8 +82,8 @@ pub fn ingest(bundle: &Bundle, flags: &IngestSettings) -> Result<Ingested> {
     Ok(ingested)
 }
 
-/// A table of more bytes than this is asked for its unit at its start, so that who has to state it does not wait for the
-/// rest.
+/// A table of more bytes than this is asked for its unit at its start, so that who has to state it does not wait for
+/// the rest.
 const LONG: usize = 1 << 20;
 /// So many of its bytes are its start: its names and some hundred rows.
 const START: usize = 1 << 14;

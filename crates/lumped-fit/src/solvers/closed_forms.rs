@@ -372,9 +372,9 @@ remarks! {
     /// The vehicle does not rebound within the uncertainty of the record: the unloading stiffness has no value.
     CR514 RigidUnloading { restitution: f64 }
     bears on (About::Model("elastoplastic".to_owned()), Weight::Slight)
-    decided "A restitution up to 0.03 counts as none: the unloading then lasts 2 ms, of which CFC 60 shows half. So does \
-             one whose interval holds zero. 1111 times the loading stiffness, a rebound of 3 %, then stands for the \
-             unloading stiffness."
+    decided "A restitution up to 0.03 counts as none: the unloading then lasts 2 ms, of which CFC 60 shows half. So \
+             does one whose interval holds zero. 1111 times the loading stiffness, a rebound of 3 %, then stands for \
+             the unloading stiffness."
     means "Crush and loading stiffness hold. The unloading stiffness is no number of the vehicle; its interval is open."
     remedy "do not quote the unloading stiffness"
     says format!("elastoplastic: {}", rigid_in_words(*restitution));
