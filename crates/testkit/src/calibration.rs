@@ -147,8 +147,8 @@ pub fn page(all: &[Ranks], records: usize) -> String {
     let mut page = format!(
         "{HEAD}\n{records} records a family and condition. The ranks are counted in {BINS} equal bins; chi-square of \
          four degrees of freedom is below {CHI_SQUARE_95:.2} in 95 % of uniform cases. Of {tested} numbers with at \
-         least {FEWEST} ranks {} are uniform, {} too wide, {} too narrow, {} have values too low and {} too high. Where \
-         all were right, {:.0} would not look uniform by chance.\n",
+         least {FEWEST} ranks {} are uniform, {} too wide, {} too narrow, {} have values too low and {} too high. \
+         Where all were right, {:.0} would not look uniform by chance.\n",
         with("uniform"),
         with("too wide"),
         with("**too narrow**"),

@@ -64,8 +64,8 @@ impl Page {
         Self::of(run, ranking, (&summary, &summary.to_json().unwrap_or_default()), None)
     }
 
-    /// The same of a run that is summed up, with the summary to download as JSON; with `folder` style and scripts are in
-    /// a folder, at this address as the page sees it, that has the files of [`write_shared_files`].
+    /// The same of a run that is summed up, with the summary to download as JSON; with `folder` style and scripts are
+    /// in a folder, at this address as the page sees it, that has the files of [`write_shared_files`].
     pub fn of(run: &Run, ranking: &Ranking, (summary, json): (&Summary, &str), folder: Option<&str>) -> Self {
         let style = style();
         let files = PageFiles { style: &style, folder };

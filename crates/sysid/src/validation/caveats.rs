@@ -244,8 +244,8 @@ remarks! {
     /// Poles at or near zero make a constant or a trend over the record.
     CR413 NearZero { model: String, poles: usize, of_motion: usize, over_s: f64 }
     bears on (About::IdentifiedModels, Weight::None)
-    decided "The modulus of the pole times the length of the part identified is below 0.1. The limit is 0.5 where two poles or \
-             more lead from an acceleration to a displacement: noise parts a double pole further."
+    decided "The modulus of the pole times the length of the part identified is below 0.1. The limit is 0.5 where \
+             two poles or more lead from an acceleration to a displacement: noise parts a double pole further."
     means "They are no modes. From an acceleration to its own displacement they are the double integration: they are \
            true of any body and tell nothing of stiffness or damping."
     remedy "nothing; stiffness and damping need an input and an output at two places: --inputs, --outputs"

@@ -156,8 +156,9 @@ impl Figure {
 fn pulses(atlas: &Atlas, found: &[Found]) -> String {
     let mut table = "\n## Pulses of regulations\n\n\
         Corners as a table at 10 kHz with their own change of velocity as impact speed, through `ingest`, `filter` \
-        (CFC 60) and `integrate`. Left of the arrow stands what numpy gives of the same corners, once. ✓: the same to \
-        three digits. A tip of 16.0 g reads 15.84 g behind CFC 60: a limit of \"at least 16 g\" must name the class.\n\n\
+        (CFC 60) and `integrate`. Left of the arrow stands what numpy gives of the same corners, once. ✓: the same \
+        to three digits. A tip of 16.0 g reads 15.84 g behind CFC 60: a limit of \"at least 16 g\" must name the \
+        class.\n\n\
         | pulse | corners seen in | delta-v, m/s | peak, g | stroke, mm | OLC, g | misses |\n\
         |---|---|---|---|---|---|---|\n"
         .to_owned();
