@@ -104,8 +104,9 @@ fn every_word_is_a_program_that_names_itself_as_it_was_typed() {
         assert!(stdout(&with(&["--generate", "bash"])).contains(&link), "{word}");
         let wrong = with(&["--hepl"]);
         let told = stderr(&wrong);
-        // Two commands ask for their records first.
-        let is_near = ["run", "together"].contains(&word) || told.contains("similar argument exists: '--help'");
+        // Three commands take the flags of records, and ask for these first.
+        let is_near =
+            ["run", "together", "compare"].contains(&word) || told.contains("similar argument exists: '--help'");
         assert!(wrong.status.code() == Some(2) && is_near, "{word}: {told}");
         assert!(told.contains("crumple") && !told.contains("crumple-"), "{word}: {told}");
     }

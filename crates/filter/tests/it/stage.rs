@@ -80,8 +80,8 @@ fn writes_the_structure_s_channels_with_their_class_and_how_they_got_it() {
     assert_eq!(
         notes.notes,
         [
-            "channel 097: already CFC 60, passed through unfiltered",
             "channel 001: of a dummy, filtered to CFC 1000 (SAE J211-1); --occupant-cfc changes the class",
+            "channel 097: already CFC 60, passed through unfiltered",
             "channel 001: the sampling rate 10000 Hz is only 10.0 times CFC 1000: the -3 dB point is at 1756.4 Hz \
              instead of 1666.7 Hz"
         ]

@@ -46,7 +46,7 @@ fn card(run: &Run, number: &KeyNumber, is_speed_in_doubt: bool) -> String {
     }
     if let Some((low, high)) = number.interval() {
         lines.push(bar(number, &format!("{}: {}", interval_name(number), range(low, high))));
-        lines.push(html(&words::ends((low, high), number.interval(), (factor, places, ""))));
+        lines.push(range(low, high));
     } else if let (Some(_), Some(reason)) = (number.value, &number.interval_by) {
         lines.push(html(reason));
     } else if number.value.is_some() {

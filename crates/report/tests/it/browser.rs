@@ -43,7 +43,7 @@ fn the_console_is_silent_and_nothing_is_loaded() {
                  drawn: [...document.querySelectorAll('svg.plot path.l')].filter((p) => p.getTotalLength()).length}";
     let answer = page.ask(count);
     assert_eq!((page.console(), page.requests()), (vec![], vec![]));
-    assert_eq!(answer["plots"], 16, "{answer}");
+    assert_eq!(answer["plots"], 18, "{answer}");
     assert!(answer["drawn"].as_u64().unwrap() > 40, "{answer}");
 }
 
@@ -106,7 +106,8 @@ fn the_cursor_goes_through_all_figures_over_time_with_the_values_of_the_curves()
     };
     assert_eq!(pictures(), json!([]));
     let marks = || page.ask("return [...document.querySelectorAll('.cursor-marks path')].map((p) => p.outerHTML)");
-    // The keys of a figure in another section, and of the slider.
+    // The keys of a figure in another section, which is folded with the details, and of the slider.
+    page.ask("document.querySelectorAll('details').forEach((fold) => { fold.open = true; })");
     page.ask("document.querySelector('#residual .panels').focus()");
     let (mut seen, mut drawn) = (vec![first], vec![marks()]);
     let mut outlines = Vec::new();
@@ -194,7 +195,8 @@ fn a_definition_stands_at_the_foot_of_the_window() {
     let page = open(&browser, Screen::DESK);
     // Far down the page, in a section that is laid out when it comes near.
     let place = page.ask(
-        "const word = [...document.querySelectorAll('main [title][tabindex]')].filter((e) => e.offsetParent).at(-1);
+        "document.querySelectorAll('details').forEach((fold) => { fold.open = true; });
+         const word = [...document.querySelectorAll('main [title][tabindex]')].filter((e) => e.offsetParent).at(-1);
          word.scrollIntoView({block: 'center'}); word.focus();
          const style = getComputedStyle(word, '::after');
          const held = (e) => e && (getComputedStyle(e).contentVisibility === 'auto' || held(e.parentElement));
