@@ -116,7 +116,7 @@ impl EvenPoints {
             (0..DIGITS).filter(|bit| (gray >> bit) & 1 == 1).fold(0, |sum, bit| sum ^ directions[bit])
         };
         let shifted = self.directions.iter().zip(&self.shifts).map(|(directions, shift)| digits(directions) ^ shift);
-        shifted.map(|x| (f64::from(x) + 0.5) * 0.5_f64.powi(DIGITS as i32)).collect()
+        shifted.map(|x| (f64::from(x) + 0.5) / (1_u64 << DIGITS) as f64).collect()
     }
 }
 

@@ -87,9 +87,12 @@ fn test_of(set: &Path) -> String {
 
 #[test]
 fn the_sets_of_the_reference_come_out() {
+    /// A set, the file in it, flags of the simulation, the difference of crush in m, exit code, a part of the second
+    /// sentence.
+    type Case = (&'static str, &'static str, &'static [&'static str], f64, i32, &'static str);
     let Some(sets) = shared("reference/simulation") else { return };
     let folder = tempfile::tempdir().unwrap();
-    let cases: [(&str, &str, &[&str], f64, i32, &str); 3] = [
+    let cases: [Case; 3] = [
         ("s1-same-car", "", &["--units", "mm-ms-kg"], 0.0, 0, "No segment of 100 mm differs by more than 5 %"),
         (
             "s2-middle-of-the-front-too-stiff",
