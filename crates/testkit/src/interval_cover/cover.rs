@@ -159,7 +159,7 @@ pub struct Counts {
     pub not_determined: Closed,
     /// Intervals that are open on a side.
     pub open: usize,
-    /// [`rank`] of the truth by closed interval.
+    /// `rank` of the truth by closed interval.
     pub ranks: Vec<f64>,
 }
 
