@@ -1,6 +1,7 @@
 //! Records as JSON text, known by the name of their schema alone, and patterns of topics.
 
 use serde::Serialize;
+#[cfg(feature = "schemas")]
 use serde_json::Value;
 
 use crate::layout::names::same_type;
@@ -57,6 +58,7 @@ pub fn schema_json(schema: &str) -> Option<&'static [u8]> {
 }
 
 /// The same made of the type: what `just schemas` writes to `docs/schemas/`.
+#[cfg(feature = "schemas")]
 pub fn schema_of_type(schema: &str) -> Option<Value> {
     with_type(schema, SchemaOfType)
 }
@@ -71,8 +73,10 @@ impl TypeVisitor for SchemaJson {
     }
 }
 
+#[cfg(feature = "schemas")]
 struct SchemaOfType;
 
+#[cfg(feature = "schemas")]
 impl TypeVisitor for SchemaOfType {
     type Output = Value;
 

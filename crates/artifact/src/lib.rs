@@ -14,8 +14,10 @@ pub mod records;
 mod write;
 
 pub use error::{ConversionError, ReadError, WriteError};
+#[cfg(feature = "schemas")]
+pub use json::schema_of_type;
 pub use json::topic_matches;
-pub use json::{JsonForm, put_json, schema_json, schema_of_type};
+pub use json::{JsonForm, put_json, schema_json};
 pub use layout::codec::Codec;
 pub use layout::digest::{ContentDigest, blake3_text};
 pub use layout::names::{WAVE_PREFIX, same_type};

@@ -23,11 +23,13 @@ pub use compare::quantities::{Group, Quantity, quantities};
 pub use compare::why::{Divided, DividedNumber};
 pub use crumple_diff::CompareSettings;
 pub use figures::all::all_figures;
+#[cfg(feature = "schemas")]
+pub use findings::summary_schema;
 pub use findings::{
     CandidateResult, CandidateSummary, Concern, Conclusion, Element, IdentifiabilityCounts, JointTests, Kind, LeftOut,
     MeasuredWaves, MetricSummary, Model, ModelOutput, Number, OF_SEVERAL_TESTS, OtherMetricSummary, OverviewLine,
     Ranking, ResultStatus, Run, SensorMotion, Soundness, StageRecord, Status, StatusReason, Summary, TestOfJointModel,
-    TestSummary, compare_ids, conclusion, model_year, overview, summary, summary_schema,
+    TestSummary, compare_ids, conclusion, model_year, overview, summary,
 };
 pub use index::pulse_line;
 pub use index::{FiguresOfRuns, RunIndex};

@@ -38,6 +38,22 @@ fn in_data(data: &mut Data) {
     }
 }
 
+/// JSON without the blanks and ends of lines between its words.
+pub(crate) fn without_blanks(text: &str) -> Vec<u8> {
+    let mut out = Vec::with_capacity(text.len());
+    let (mut is_text, mut is_escaped) = (false, false);
+    for byte in text.bytes() {
+        if is_text || !byte.is_ascii_whitespace() {
+            out.push(byte);
+        }
+        if byte == b'"' && !is_escaped {
+            is_text = !is_text;
+        }
+        is_escaped = is_text && byte == b'\\' && !is_escaped;
+    }
+    out
+}
+
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeMap;

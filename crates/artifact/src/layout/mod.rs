@@ -6,6 +6,7 @@ pub mod json_text;
 pub mod names;
 pub mod provenance;
 pub mod record;
+#[cfg(feature = "schemas")]
 pub mod schema;
 pub mod time_origin;
 pub mod wave;

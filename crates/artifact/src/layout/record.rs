@@ -4,14 +4,11 @@
 
 use std::sync::OnceLock;
 
-use schemars::JsonSchema;
 use serde::{Serialize, de::DeserializeOwned};
-use serde_json::Value;
 
 use crate::finite::first_non_finite;
 use crate::layout::codec::Codec;
-use crate::layout::json_text::to_json;
-use crate::layout::schema::{viewer_safe_schema, without_blanks};
+use crate::layout::json_text::{to_json, without_blanks};
 use crate::records::{
     ArxScanV1, CandidateV1, ChannelFilterV1, ConcernsV1, ConcernsV2, DamageV1, DiagnosisV1, EventsV1, EvidenceV1,
     ExponentialSumV1, IdentificationV1, ImpactsV1, MatchingV1, MetricsV1, MetricsV2, ModesV1, ModesV2, NotesV1,
@@ -20,7 +17,7 @@ use crate::records::{
 };
 
 /// A type that may stand in an artifact. A record is a JSON object: viewers and checks of schemas take no other.
-pub trait Record: Serialize + DeserializeOwned + JsonSchema + Clone + 'static {
+pub trait Record: Serialize + DeserializeOwned + Clone + 'static {
     /// Schema name and version, e.g. `crumple.Events.v1`.
     const SCHEMA: &'static str;
 
@@ -29,7 +26,8 @@ pub trait Record: Serialize + DeserializeOwned + JsonSchema + Clone + 'static {
     fn schema_json() -> &'static [u8];
 
     /// The same made of the type, which tests hold `docs/schemas/` against, and `just schemas` writes there.
-    fn schema_of_type() -> Value;
+    #[cfg(feature = "schemas")]
+    fn schema_of_type() -> serde_json::Value;
 
     /// The record as a message. Errors say what in it cannot be encoded.
     fn encode(&self, codec: Codec) -> Result<Vec<u8>, String>;
@@ -80,8 +78,9 @@ macro_rules! record {
                 })
             }
 
-            fn schema_of_type() -> Value {
-                viewer_safe_schema(schemars::schema_for!($type).to_value(), $schema)
+            #[cfg(feature = "schemas")]
+            fn schema_of_type() -> serde_json::Value {
+                crate::layout::schema::viewer_safe_schema(schemars::schema_for!($type).to_value(), $schema)
             }
 
             fn encode(&self, codec: Codec) -> Result<Vec<u8>, String> {

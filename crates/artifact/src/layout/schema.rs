@@ -39,22 +39,6 @@ pub(crate) fn viewer_safe_schema(mut full: Value, schema: &str) -> Value {
     root
 }
 
-/// JSON without the blanks and ends of lines between its words.
-pub(crate) fn without_blanks(text: &str) -> Vec<u8> {
-    let mut out = Vec::with_capacity(text.len());
-    let (mut is_text, mut is_escaped) = (false, false);
-    for byte in text.bytes() {
-        if is_text || !byte.is_ascii_whitespace() {
-            out.push(byte);
-        }
-        if byte == b'"' && !is_escaped {
-            is_text = !is_text;
-        }
-        is_escaped = is_text && byte == b'\\' && !is_escaped;
-    }
-    out
-}
-
 /// The part of an object's properties that viewers understand.
 fn viewer_properties(schema: &Value, definitions: &Map<String, Value>, depth: usize) -> Map<String, Value> {
     let Some(properties) = schema.get("properties").and_then(Value::as_object) else { return Map::new() };
@@ -119,6 +103,7 @@ fn takes_null(schema: &Value) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::layout::json_text::without_blanks;
     use crate::layout::record::Record;
     use crate::records::{CandidateV1, ModesV1, StateSpaceV1, TestV1};
 

@@ -1,6 +1,5 @@
 //! Records of identify about several models or about the record itself: scans, comparisons, checks, shapes, diagrams.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::records::identified::NoiseModelV1;
@@ -8,7 +7,8 @@ use crate::records::identified::NoiseModelV1;
 // Record: ARX structures compared.
 
 /// ARX models of many structures, compared on the same equations. Topic `/scan/<output channel>`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct ArxScanV1 {
     /// Channels that drive the models, separated by commas.
     pub input: String,
@@ -29,7 +29,8 @@ pub struct ArxScanV1 {
 }
 
 /// A number of an ARX structure that stands at the end of its range.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum ScanEdgeV1 {
     /// That of past outputs.
@@ -41,7 +42,8 @@ pub enum ScanEdgeV1 {
 }
 
 /// One structure of a scan.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct ArxScanModelV1 {
     /// Number of past outputs.
     pub past_outputs: u64,
@@ -69,7 +71,8 @@ pub struct ArxScanModelV1 {
 
 /// Models of one output compared: which of them the record prefers, and which it does not distinguish. Topic
 /// `/selection/<output channel>`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct SelectionV1 {
     /// Channel that the models answer with; several separated by commas, in the topic by `+`.
     pub output: String,
@@ -94,7 +97,8 @@ pub struct SelectionV1 {
 }
 
 /// Why a model is recommended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum RecommendedBecauseV1 {
     /// It has the smallest BIC.
@@ -105,7 +109,8 @@ pub enum RecommendedBecauseV1 {
 }
 
 /// One model of a comparison.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct SelectionModelV1 {
     /// Id of the model.
     pub id: String,
@@ -129,7 +134,8 @@ pub struct SelectionModelV1 {
 
 /// What the waveforms of a run show before any method: what is left out, how late the inputs act, trends and outliers.
 /// Topic `/checks/<outputs>`, several outputs separated by `+`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct RecordChecksV1 {
     /// Constant inputs, which the methods run without.
     pub inputs_left_out: Vec<String>,
@@ -144,7 +150,8 @@ pub struct RecordChecksV1 {
 }
 
 /// How late the inputs act.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct FoundDelayV1 {
     /// Samples between an input and its effect, the number that `--delay` takes.
     pub samples: u32,
@@ -159,7 +166,8 @@ pub struct FoundDelayV1 {
 }
 
 /// A straight line that an output follows.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct TrendV1 {
     /// The output.
     pub channel: String,
@@ -170,7 +178,8 @@ pub struct TrendV1 {
 }
 
 /// Samples of an output that stand out of the errors of a fit.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct OutliersV1 {
     /// The output.
     pub channel: String,
@@ -183,7 +192,8 @@ pub struct OutliersV1 {
 // Record: mode shapes over the sensors.
 
 /// Mode shapes of one model over several sensors. Topic `/shapes/<id>`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct ShapesV1 {
     /// Channels, in the order of the entries of a shape.
     pub channels: Vec<String>,
@@ -194,7 +204,8 @@ pub struct ShapesV1 {
 }
 
 /// Shape of one mode: relative motion of the sensors, the largest entry 1.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct ShapeV1 {
     /// Real part of the pole, 1/s.
     pub re_per_s: f64,
@@ -211,7 +222,8 @@ pub struct ShapeV1 {
 // Record: stabilisation diagram, poles over the model order.
 
 /// Poles of models of rising order, and the clusters they form. Topic `/stabilisation/<method>`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct StabilizationV1 {
     /// Method of the models, e.g. `era`.
     pub method: String,
@@ -246,7 +258,8 @@ pub struct StabilizationV1 {
 }
 
 /// One pole of a stabilisation diagram.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct StabilizationPoleV1 {
     /// Order of its model.
     pub order: u32,
@@ -259,7 +272,8 @@ pub struct StabilizationPoleV1 {
 }
 
 /// A mode that many orders agree on: medians and quartiles.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct StabilizationClusterV1 {
     /// Number of orders in which it is present.
     pub orders: u32,

@@ -1,6 +1,5 @@
 //! Records of identify: models, modes, how they were chosen and what supports them.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::records::RemarkV1;
@@ -8,7 +7,8 @@ use crate::records::RemarkV1;
 // Record: validation of an identified model.
 
 /// Validation of an identified model beyond its fit. Topic `/evidence/<id>`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct EvidenceV1 {
     /// Channel that drives the model; `null` for a free motion.
     pub input: Option<String>,
@@ -132,7 +132,8 @@ pub struct EvidenceV1 {
 }
 
 /// The noise of an output.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct NoiseV1 {
     /// Model of it with the smaller BIC of the one-step prediction.
     pub model: NoiseModelV1,
@@ -147,7 +148,8 @@ pub struct NoiseV1 {
 }
 
 /// What makes the noise of an output.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum NoiseModelV1 {
     /// It is added to the output: white, or an autoregression of its own.
@@ -157,7 +159,8 @@ pub enum NoiseModelV1 {
 }
 
 /// Why no mode has an interval.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum NoIntervalV1 {
     /// Neither noise model leaves white errors: what was drawn from one would be too narrow.
@@ -169,7 +172,8 @@ pub enum NoIntervalV1 {
 }
 
 /// Why one mode has no interval.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum NoSpreadV1 {
     /// Most replicates do not find it again.
@@ -182,7 +186,8 @@ pub enum NoSpreadV1 {
 
 /// Spread of a number over the replicates of a bootstrap, and its interval about the estimate:
 /// `estimate -+ 1.645 sqrt(deviation² + bias²)`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct SpreadV1 {
     /// Standard deviation.
     pub deviation: f64,
@@ -198,7 +203,8 @@ pub struct SpreadV1 {
 // Record: how a model was identified and how well it fits.
 
 /// How a model was identified and how well it fits. Topic `/identification/<id>`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct IdentificationV1 {
     /// Method, e.g. `era`.
     pub method: String,
@@ -242,7 +248,8 @@ pub struct IdentificationV1 {
 // Records: identified models (state space, transfer function, exponential sum) and their modes.
 
 /// A linear state-space model. Topic `/model/<id>`. Matrices are lists of rows.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct StateSpaceV1 {
     /// State matrix, n x n.
     pub a: Vec<Vec<f64>>,
@@ -264,7 +271,8 @@ pub struct StateSpaceV1 {
 }
 
 /// A continuous transfer function. Topic `/model/<id>`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct TransferFunctionV1 {
     /// Numerator coefficients, highest power of s first.
     pub numerator: Vec<f64>,
@@ -280,7 +288,8 @@ pub struct TransferFunctionV1 {
 }
 
 /// A sum of complex exponentials. Topic `/model/<id>`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct ExponentialSumV1 {
     /// Terms; a real signal has them real or in conjugate pairs.
     pub terms: Vec<ExponentialTermV1>,
@@ -289,7 +298,8 @@ pub struct ExponentialSumV1 {
 }
 
 /// `(re_amplitude + i im_amplitude) exp((re_per_s + i im_rad_per_s) t)`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct ExponentialTermV1 {
     /// Real part of the amplitude.
     pub re_amplitude: f64,
@@ -302,7 +312,8 @@ pub struct ExponentialTermV1 {
 }
 
 /// Modes of a model. Topic `/modes/<id>`.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct ModesV2 {
     /// One entry a pole that is a mode.
     pub modes: Vec<ModeV1>,
@@ -312,7 +323,8 @@ pub struct ModesV2 {
 }
 
 /// A pole that is no mode of the record.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct OtherPoleV1 {
     /// Real part, continuous time, 1/s.
     pub re_per_s: f64,
@@ -327,7 +339,8 @@ pub struct OtherPoleV1 {
 }
 
 /// Why a pole is no mode.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum OtherPoleKindV1 {
     /// At or near zero: the model integrates.
@@ -341,7 +354,8 @@ pub enum OtherPoleKindV1 {
 }
 
 /// Modes of a model as they were written before: a JSON array.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(transparent)]
 pub struct ModesV1(pub Vec<ModeV1>);
 
@@ -352,7 +366,8 @@ impl From<ModesV1> for ModesV2 {
 }
 
 /// One mode of a model, continuous time.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct ModeV1 {
     /// Real part of the pole, 1/s.
     pub re_per_s: f64,
@@ -375,7 +390,8 @@ pub struct ModeV1 {
 }
 
 /// What a pole is that is neither an integrator nor beyond the Nyquist frequency.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum ModeKindV1 {
     /// It grows.
@@ -389,7 +405,8 @@ pub enum ModeKindV1 {
 // Record: responses of an identified model.
 
 /// Responses of an identified model, ready to be drawn. Topic `/response/<id>`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct ResponseV1 {
     /// What drives the model, in words.
     pub input: String,

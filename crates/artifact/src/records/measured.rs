@@ -1,13 +1,13 @@
 //! Records of ingest, filter and integrate: vehicles and damage, waveforms, filters, quality, events, metrics.
 
 use crumple_signal::HALF_OF_90_PERCENT;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 // Record: how a channel was filtered.
 
 /// How a channel was filtered. Topic `/filter/<channel id>`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct ChannelFilterV1 {
     /// Channel frequency class applied; `null`: passed through.
     pub cfc: Option<u16>,
@@ -46,7 +46,8 @@ pub struct ChannelFilterV1 {
 }
 
 /// The gain of a filter at one frequency, and what its class allows there.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct CorridorPointV1 {
     /// Frequency, Hz.
     pub frequency_hz: f64,
@@ -61,7 +62,8 @@ pub struct CorridorPointV1 {
 // Record: what was measured on the vehicle after the test.
 
 /// Residual crush of the vehicle, as the file of the test states it. Topic `/damage`; not there where it states none.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct DamageV1 {
     /// Residual crush at stations of equal spacing over the width of the damage, left to right, m; negative: the
     /// structure bulges out.
@@ -101,7 +103,8 @@ impl DamageV1 {
 // Record: the events of a crash on one channel.
 
 /// What an interval of an event or a metric is made from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum IntervalSourceV1 {
     /// 5 % and 95 % quantile of repetitions with perturbed inputs.
@@ -130,7 +133,8 @@ impl IntervalSourceV1 {
 }
 
 /// Interval of an event, from the stated uncertainty of the measurement.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct EventIntervalV1 {
     /// Field of [`EventsV1`] it belongs to, e.g. `dynamic_crush_m`.
     pub name: String,
@@ -153,7 +157,8 @@ impl EventIntervalV1 {
 }
 
 /// Why an event has no interval.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct MissingIntervalV1 {
     /// Field of [`EventsV1`], e.g. `dynamic_crush_m`.
     pub name: String,
@@ -164,7 +169,8 @@ pub struct MissingIntervalV1 {
 /// The events of a crash on one channel; times count from time zero. Topic `/events`.
 ///
 /// `null` means that the record does not show the event; a note says why.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct EventsV1 {
     /// Channel the events were read from.
     pub channel: String,
@@ -220,7 +226,8 @@ pub struct EventsV1 {
 }
 
 /// One impact of a pulse; times count from time zero.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct ImpactV1 {
     /// Start of its force, s: contact for the first.
     pub start_s: f64,
@@ -239,7 +246,8 @@ pub struct ImpactV1 {
 }
 
 /// The impacts of a pulse or of a recorder's table where there are no events. Topic `/impacts`.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct ImpactsV1 {
     /// Channel they were read from.
     pub channel: String,
@@ -265,14 +273,16 @@ impl EventsV1 {
 // Record: crash metrics.
 
 /// Crash metrics. Topic `/metrics`.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct MetricsV2 {
     /// The metrics, in the order of channels.
     pub metrics: Vec<MetricV1>,
 }
 
 /// Crash metrics as they were written before: a JSON array.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(transparent)]
 pub struct MetricsV1(pub Vec<MetricV1>);
 
@@ -283,7 +293,8 @@ impl From<MetricsV1> for MetricsV2 {
 }
 
 /// One number about a channel.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct MetricV1 {
     /// Name, e.g. `peak_acceleration`.
     pub name: String,
@@ -342,7 +353,8 @@ impl MetricV1 {
 // Record: what ingest measured on a channel.
 
 /// What ingest measured on a channel before any processing. Topic `/quality/<channel id>`.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct QualityV1 {
     /// Mean before the event, SI unit of the channel; `null` without enough pre-event data.
     pub zero_level: Option<f64>,
@@ -401,7 +413,8 @@ impl QualityV1 {
 // Record: the vehicles of a test with several.
 
 /// The vehicles of a test in which two meet. Topic `/vehicles`; not there where the file states one.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct VehiclesV1 {
     /// In the order of the file. The one with the pulse of `/test` has the mass and the speed stated there.
     pub vehicles: Vec<VehicleV1>,
@@ -410,7 +423,8 @@ pub struct VehiclesV1 {
 }
 
 /// One vehicle of several.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct VehicleV1 {
     /// Number by which the file names it.
     pub number: u32,
@@ -432,7 +446,8 @@ pub struct VehicleV1 {
 ///
 /// Sample i of the block is sample `first + i` of the waveform and was taken at
 /// `t0_ns / 1e9 + (first + i) * dt_s` seconds; `t0_ns` and `dt_s` are equal in all blocks of a waveform.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct WaveBlockV1 {
     /// Time of sample 0 of the waveform, ns from the record's time origin.
     pub t0_ns: i64,

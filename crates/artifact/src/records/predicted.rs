@@ -1,12 +1,12 @@
 //! Records of predict: impacts that were not made.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 // Record: a candidate in a test that was not made.
 
 /// What a candidate says of an impact at another speed or with another mass. Topic `/prediction/<n>`, n = 1, 2, ...
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct PredictionV1 {
     /// Candidate.
     pub candidate: String,
@@ -64,7 +64,8 @@ pub struct PredictionV1 {
 }
 
 /// Who answers for a predicted number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum AnsweredByV1 {
     /// The record of the test, within what was tested: its number is carried to the asked impact by the model.
@@ -74,7 +75,8 @@ pub enum AnsweredByV1 {
 }
 
 /// Where the energy of an impact goes.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct PredictedEnergyV1 {
     /// Kinetic energy of all masses at contact, J; those of a partner among them.
     pub kinetic_at_impact_j: f64,
@@ -86,7 +88,8 @@ pub struct PredictedEnergyV1 {
 
 /// A collision with another vehicle or a moving barrier. Velocities are over ground, positive in the direction of the
 /// vehicle; a change of velocity is a size.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct PredictedCollisionV1 {
     /// What the partner is: `vehicle` or `barrier`.
     pub kind: String,
@@ -129,7 +132,8 @@ pub struct PredictedCollisionV1 {
 }
 
 /// An occupant behind a restraint in the compartment.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct PredictedOccupantV1 {
     /// When the slack is used up, s after contact.
     pub time_of_contact_s: Option<f64>,
@@ -151,7 +155,8 @@ pub struct PredictedOccupantV1 {
 }
 
 /// An interval of a predicted number.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct PredictedIntervalV1 {
     /// Field of the prediction, e.g. `dynamic_crush_m` or `collision.mutual_crush_m`.
     pub name: String,
@@ -178,7 +183,8 @@ impl AgainstTestV1 {
 }
 
 /// A prediction beside a test that was made.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct AgainstTestV1 {
     /// Title of the test.
     pub test: String,

@@ -3,20 +3,21 @@
 use std::collections::BTreeMap;
 
 use crumple_signal::{About, Note, Severity, Value, Weight};
-use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 // Record: what speaks against a result, with its weight and what it concerns.
 
 /// What speaks against the result of a stage. Topic `/concerns`.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct ConcernsV2 {
     /// The concerns, in the order in which the stage met them.
     pub concerns: Vec<ConcernV1>,
 }
 
 /// What speaks against the result of a stage as it was written before: a JSON array.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(transparent)]
 pub struct ConcernsV1(pub Vec<ConcernV1>);
 
@@ -27,7 +28,8 @@ impl From<ConcernsV1> for ConcernsV2 {
 }
 
 /// One warning of `/notes`, or the diagnosis of a stage without a result, as a program can rank it.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct ConcernV1 {
     /// The stage that says it.
     pub stage: String,
@@ -47,7 +49,8 @@ pub struct ConcernV1 {
 }
 
 /// How severe a concern is.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum SeverityV1 {
     /// It may change a conclusion.
@@ -67,7 +70,8 @@ impl ConcernV1 {
 // What a run says, as a program reads it.
 
 /// One remark of a run: a code with values, and the sentence made from them.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct RemarkV1 {
     /// Stable name of what is said, e.g. `CR203`; `crumple explain CR203` says what it means. Empty: a sentence of a
     /// program that gives none.
@@ -92,8 +96,9 @@ pub struct RemarkV1 {
 }
 
 /// What a sentence is made from: in JSON a number or a text.
-#[derive(Debug, Clone, PartialEq, JsonSchema)]
-#[schemars(untagged)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schemas", schemars(untagged))]
 pub enum ValueV1 {
     /// A number in the unit that its name has.
     Number(f64),
@@ -195,7 +200,8 @@ impl RemarkV1 {
 // Record: what a stage remarks.
 
 /// What a stage remarks of its result. Topic `/remarks`.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct RemarksV1 {
     /// The remarks, strongest first; equals in the order in which the stage met them.
     pub remarks: Vec<RemarkV1>,
@@ -204,7 +210,8 @@ pub struct RemarksV1 {
 // Record: why a run has no acceptable result.
 
 /// Why a stage has no acceptable result, or not the one that later stages need. Topic `/diagnosis`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct DiagnosisV1 {
     /// The stage.
     pub stage: String,
@@ -218,7 +225,8 @@ pub struct DiagnosisV1 {
 // Record: the notes of a stage.
 
 /// Remarks a stage leaves for the reader. Topic `/notes`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct NotesV1 {
     /// The stage that made them.
     pub stage: String,

@@ -3,13 +3,13 @@
 use crumple_signal::{
     Axis, Channel, Contact, Distribution, KindOfTest, Overlap, QuantityKind, Source, Spread, TestDescription, TestKind,
 };
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::ConversionError;
 
 /// The test a record belongs to. Topic `/test`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct TestV1 {
     /// Title of the test.
     pub title: String,
@@ -49,7 +49,8 @@ pub struct TestV1 {
 }
 
 /// What was tested, and what says so.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct KindV1 {
     /// `vehicle`, `sled`, `catapult` or `component`. A sled, a catapult and a component without mass have no structure:
     /// there is no model of them.
@@ -59,7 +60,8 @@ pub struct KindV1 {
 }
 
 /// First contact: every time after ingest is in seconds from it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct ContactV1 {
     /// What settled it, in words: `stated by flag`, `file`, `the format nhtsa-ev5`, `auto`, `threshold`, `edr`,
     /// `contact:<channel>`, `the start of impact 2`.
@@ -78,7 +80,8 @@ pub struct ContactV1 {
 }
 
 /// Origin of a record.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct SourceV1 {
     /// File format as recognised.
     pub format: String,
@@ -89,7 +92,8 @@ pub struct SourceV1 {
 }
 
 /// One channel of a test.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct ChannelV1 {
     /// Unique name; the waveform's topic is `/wave/<id>`.
     pub id: String,

@@ -23,9 +23,11 @@ pub use conclusions::kind::{Kind, ResultStatus};
 pub use conclusions::overview::{OverviewLine, overview};
 pub use conclusions::own_remarks::{REMARKS, StatedInFile};
 pub use conclusions::status::{Status, StatusReason};
+#[cfg(feature = "schemas")]
+pub use conclusions::summary::summary_schema;
 pub use conclusions::summary::{
     CandidateSummary, MatchingSummary, MetricSummary, ModelSummary, OF_SEVERAL_TESTS, OtherMetricSummary, PoleSummary,
-    Summary, TestSummary, TransferFunctionSummary, model_year, summary, summary_schema,
+    Summary, TestSummary, TransferFunctionSummary, model_year, summary,
 };
 pub use conclusions::uses::{Soundness, Use};
 pub use names::model_name;

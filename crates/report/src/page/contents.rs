@@ -1,5 +1,7 @@
 //! The contents of a page: its sections as they are written, with a line each at the side.
 
+use rayon::prelude::*;
+
 /// What is written, and where its parts begin.
 #[derive(Debug, Default)]
 pub(super) struct Sections {
@@ -8,13 +10,32 @@ pub(super) struct Sections {
     named: Vec<(&'static str, &'static str)>,
 }
 
+/// A part: the id of its section, its name, and what writes it.
+pub(super) struct Part<'a> {
+    id: &'static str,
+    name: &'static str,
+    write: Box<dyn Fn(&mut String) + Send + Sync + 'a>,
+}
+
+impl<'a> Part<'a> {
+    pub(super) fn new(id: &'static str, name: &'static str, write: impl Fn(&mut String) + Send + Sync + 'a) -> Self {
+        Self { id, name, write: Box::new(write) }
+    }
+}
+
 impl Sections {
-    /// Writes a part whose section has this id; one that writes nothing has no line in the contents.
-    pub(super) fn part(&mut self, (id, name): (&'static str, &'static str), write: impl FnOnce(&mut String)) {
-        let before = self.html.len();
-        write(&mut self.html);
-        if self.html.len() > before {
-            self.named.push((id, name));
+    /// Writes parts, several at a time, in this order; one that writes nothing has no line in the contents.
+    pub(super) fn extend(&mut self, parts: Vec<Part>) {
+        let written = parts.par_iter().map(|part| {
+            let mut html = String::new();
+            (part.write)(&mut html);
+            html
+        });
+        for (part, html) in parts.iter().zip(written.collect::<Vec<_>>()) {
+            if !html.is_empty() {
+                self.html.push_str(&html);
+                self.named.push((part.id, part.name));
+            }
         }
     }
 
@@ -36,10 +57,13 @@ mod tests {
     #[test]
     fn a_part_without_content_has_no_line() {
         let mut sections = Sections::default();
-        sections.part(("curves", "Curves"), |out| out.push_str("<section id=\"curves\"></section>"));
+        sections.extend(vec![Part::new("curves", "Curves", |out| out.push_str("<section id=\"curves\"></section>"))]);
         assert_eq!(sections.contents(), "");
-        sections.part(("energy", "Energy"), |_| {});
-        sections.part(("notes", "Notes"), |out| out.push_str("<section id=\"notes\"></section>"));
+        sections.extend(vec![
+            Part::new("energy", "Energy", |_| {}),
+            Part::new("notes", "Notes", |out| out.push_str("<section id=\"notes\"></section>")),
+        ]);
+        assert!(sections.html.find("curves") < sections.html.find("notes"));
         assert_eq!(sections.contents().matches("<li>").count(), 2);
         assert!(!sections.contents().contains("#energy"));
     }

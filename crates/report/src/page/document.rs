@@ -11,8 +11,10 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 
 use super::{
-    candidates, channels, conclusion as top, contents::Sections, energy, figures, header, how_well, key_numbers,
-    model_picture, models, numbers, predictions, ratings, remarks, what_if,
+    candidates, channels, conclusion as top,
+    contents::{Part, Sections},
+    energy, figures, header, how_well, key_numbers, model_picture, models, numbers, predictions, ratings, remarks,
+    what_if,
 };
 use crate::drawing::Figure;
 use crate::figures::all::{crash_figures, identification_figures};
@@ -101,33 +103,40 @@ impl Page {
         if run.joint.is_none() {
             key_numbers::write_caption(out, key_numbers);
         }
-        sections.part(("tests", "The tests"), |out| predictions::write_left_out(out, run));
         let id_of = |figures: &[Figure]| figures.first().map_or("", |figure| figure.id);
-        sections.part((id_of(&open), "Curves"), |out| figures::write(out, &open, "h2"));
-        let models = |out: &mut String| models::write(out, run, concerns, &identification);
-        if is_generic {
-            sections.part(("identification", "Identification"), models);
-        }
-        sections.part(("what-if", "What if"), |out| what_if::write(out, run, ranking, &files));
-        sections.part(("candidates", "Which model to use"), |out| candidates::write(out, run, ranking, said.status));
+        let models =
+            || Part::new("identification", "Identification", |out| models::write(out, run, concerns, &identification));
+        let mut parts = vec![
+            Part::new("tests", "The tests", |out| predictions::write_left_out(out, run)),
+            Part::new(id_of(&open), "Curves", |out| figures::write(out, &open, "h2")),
+        ];
+        parts.extend(is_generic.then(models));
+        parts.push(Part::new("what-if", "What if", |out| what_if::write(out, run, ranking, &files)));
+        parts.push(Part::new("candidates", "Which model to use", |out| {
+            candidates::write(out, run, ranking, said.status);
+        }));
+        sections.extend(parts);
         sections.html.push_str(DETAILS);
-        sections.part((id_of(&folded), "More curves"), |out| figures::write(out, &folded, "h2"));
-        sections.part(("how-well", "How well"), |out| how_well::write(out, run, ranking));
-        sections.part(("predictions", "Predictions"), |out| predictions::write(out, run, said.status));
-        sections.part(("ratings", "Ratings"), |out| ratings::write(out, run, ranking));
-        sections.part(("energy", "Energy"), |out| energy::write(out, run, ranking));
-        if !is_generic {
-            sections.part(("identification", "Identification"), models);
-        }
+        let mut parts = vec![
+            Part::new(id_of(&folded), "More curves", |out| figures::write(out, &folded, "h2")),
+            Part::new("how-well", "How well", |out| how_well::write(out, run, ranking)),
+            Part::new("predictions", "Predictions", |out| predictions::write(out, run, said.status)),
+            Part::new("ratings", "Ratings", |out| ratings::write(out, run, ranking)),
+            Part::new("energy", "Energy", |out| energy::write(out, run, ranking)),
+        ];
+        parts.extend((!is_generic).then(models));
         // Of several tests each has its own report with them.
         if run.joint.is_none() {
-            sections.part(("metrics", "Events and metrics"), |out| numbers::write(out, whole));
-            sections.part(("channels", "Channels"), |out| channels::write(out, run));
+            parts.push(Part::new("metrics", "Events and metrics", |out| numbers::write(out, whole)));
+            parts.push(Part::new("channels", "Channels", |out| channels::write(out, run)));
         }
+        sections.extend(parts);
         remarks::write_missing(&mut sections.html, whole);
-        sections.part(("notes", "Warnings and notes"), |out| remarks::write_notes(out, whole, ranking, concerns));
-        sections.part(("limits", "What it cannot say"), |out| remarks::write_limits(out, whole, ranking));
-        sections.part(("provenance", "Provenance"), |out| remarks::write_provenance(out, whole));
+        sections.extend(vec![
+            Part::new("notes", "Warnings and notes", |out| remarks::write_notes(out, whole, ranking, concerns)),
+            Part::new("limits", "What it cannot say", |out| remarks::write_limits(out, whole, ranking)),
+            Part::new("provenance", "Provenance", |out| remarks::write_provenance(out, whole)),
+        ]);
         sections.html.push_str("</details>\n");
         // The summary of several tests is another one: it lies beside the page.
         if let (None, Ok(packed)) = (&run.joint, packed(json)) {

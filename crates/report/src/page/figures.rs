@@ -1,6 +1,8 @@
 //! Figures on the page: heading, legend, panels, caption. They are drawn without a script, which adds a cursor, a zoom
 //! and downloads.
 
+use rayon::prelude::*;
+
 use crate::drawing::escape::html;
 use crate::drawing::{Drawing, Figure, swatch};
 
@@ -10,13 +12,12 @@ pub(crate) fn write(out: &mut String, figures: &[Figure], heading: &str) {
         return;
     }
     out.push_str("<div class=\"figures\">\n");
-    for figure in figures {
-        write_figure(out, figure, heading);
-    }
+    out.extend(figures.par_iter().map(|figure| written(figure, heading)).collect::<Vec<_>>());
     out.push_str("</div>\n");
 }
 
-fn write_figure(out: &mut String, figure: &Figure, heading: &str) {
+fn written(figure: &Figure, heading: &str) -> String {
+    let mut out = String::new();
     let id = figure.id;
     let wide = if figure.panels.len() > 1 { " wide" } else { "" };
     out.push_str(&format!(
@@ -42,14 +43,14 @@ fn write_figure(out: &mut String, figure: &Figure, heading: &str) {
         );
     }
     out.push_str("</ul>\n<div class=\"panels\">\n");
-    for (place, panel) in figure.panels.iter().enumerate() {
-        out.push_str(&Drawing::new(figure, panel).svg(&format!("{id}-{place}"), true));
-    }
+    let svg = |(place, panel)| Drawing::new(figure, panel).svg(&format!("{id}-{place}"), true);
+    out.extend(figure.panels.par_iter().enumerate().map(svg).collect::<Vec<_>>());
     out.push_str("</div>\n");
     if !figure.caption.is_empty() {
         out.push_str(&format!("<p class=\"caption\">{}</p>\n", html(&figure.caption)));
     }
     out.push_str("</section>\n");
+    out
 }
 
 /// Rules by which a legend's box hides its curves.

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::MatchingSweepV1;
 
 /// One set of physical parameters. Topic `/parameters/<model>/<method>/<index>`.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct CandidateV1 {
     /// Model: `kelvin`, `elastoplastic`, `maxwell`, `double-spring-mass-damper`, ...
     pub model: String,
@@ -37,7 +37,8 @@ pub struct CandidateV1 {
 }
 
 /// Real parameter sets of the double model with the poles of a fitted one, over the division of its total mass.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct MassDivisionsV1 {
     /// Bound of m2/m1 above which no set is physical; `null`: no division has one.
     pub largest_mass_ratio: Option<f64>,
@@ -46,7 +47,8 @@ pub struct MassDivisionsV1 {
 }
 
 /// A candidate beside the test, measured as the record was, over one window.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct EvaluationV1 {
     /// Compared window: start, s after contact.
     pub from_s: f64,
@@ -181,7 +183,8 @@ pub enum Certainty {
 }
 
 /// A fit by iteration.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct FitV1 {
     /// Channel fitted.
     pub channel: String,
@@ -210,7 +213,8 @@ pub struct FitV1 {
 }
 
 /// One sensor of a fit.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct SensorFitV1 {
     /// Its channel.
     pub channel: String,
@@ -225,7 +229,8 @@ pub struct SensorFitV1 {
 }
 
 /// Uncertainty of parameters.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct UncertaintyV1 {
     /// How it was found, e.g. `linearised`.
     pub method: String,
@@ -261,7 +266,8 @@ pub struct UncertaintyV1 {
 }
 
 /// The likelihood of one parameter while all others follow.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct ProfileV1 {
     /// Parameter.
     pub parameter: String,
@@ -278,7 +284,8 @@ pub struct ProfileV1 {
 }
 
 /// Intervals read from repetitions.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct ReplicatesV1 {
     /// What was repeated, in words.
     pub method: String,

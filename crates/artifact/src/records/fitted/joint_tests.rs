@@ -1,12 +1,12 @@
 //! Record: the tests that went into a joint fit.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The tests that one model was fitted to. Topic `/tests`.
 ///
 /// Where an artifact holds it, candidates are of all of these tests, with the mass of the first in `/test`.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct TestsV1 {
     /// The tests, in the order given.
     pub tests: Vec<JointTestV1>,
@@ -17,7 +17,8 @@ pub struct TestsV1 {
 /// The tests that one model was fitted to. Topic `/tests`.
 ///
 /// Where an artifact holds it, candidates are of all of these tests, with the mass of the first in `/test`.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct TestsV2 {
     /// The tests, in the order given.
     pub tests: Vec<JointTestV1>,
@@ -35,7 +36,8 @@ impl From<TestsV1> for TestsV2 {
 }
 
 /// One test of a joint fit.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct JointTestV1 {
     /// The name that it was given under.
     pub name: String,

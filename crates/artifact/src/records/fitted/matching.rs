@@ -1,11 +1,11 @@
 //! Record: coefficient matching, from an identified model to masses, springs and dampers.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Every parameter set of the double model with the characteristic polynomial of an identified one. Topic
 /// `/matching/<model id>`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct MatchingV1 {
     /// Mass of the chassis, kg.
     pub m1_kg: f64,
@@ -36,7 +36,8 @@ pub struct MatchingV1 {
 
 /// An identified state space in the coordinates `(x1, x2, v1, v2)` of one solution, `M x'' + L x' + K x = 0`; matrices
 /// are lists of rows.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct PhysicalCoordinatesV1 {
     /// The candidate.
     pub candidate: String,
@@ -59,7 +60,8 @@ pub struct PhysicalCoordinatesV1 {
 }
 
 /// One root of the cubic.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct MatchingRootV1 {
     /// Real part.
     pub re_per_s2: f64,
@@ -72,7 +74,8 @@ pub struct MatchingRootV1 {
 }
 
 /// One solution; imaginary parts are 0 for a real one.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct MatchingSolutionV1 {
     /// Spring between barrier and chassis.
     pub k1_re_n_per_m: f64,
@@ -111,7 +114,8 @@ pub struct MatchingSolutionV1 {
 }
 
 /// One real solution at one division of the mass.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct MatchingSweepV1 {
     /// m1/(m1 + m2).
     pub front_mass_fraction: f64,

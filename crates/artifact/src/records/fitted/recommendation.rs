@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Which candidate to use, and what spoke for it. Topic `/recommendation`.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct RecommendationV1 {
     /// Candidate for the prediction of other tests; `null`: none qualifies.
     pub recommended: Option<String>,
@@ -40,7 +40,8 @@ pub struct RecommendationV1 {
 }
 
 /// How the evidence for a recommended candidate stands to that for the best candidate of another model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum StrengthV1 {
     /// The criteria differ by 10 at most.
@@ -53,7 +54,8 @@ pub enum StrengthV1 {
 }
 
 /// What the information criterion was computed from.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct RecommendationEvidenceV1 {
     /// Quantity compared, e.g. `acceleration`.
     pub quantity: String,
@@ -70,7 +72,8 @@ pub struct RecommendationEvidenceV1 {
 }
 
 /// One piece of prior knowledge.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct PriorV1 {
     /// Name, e.g. `restitution`.
     pub name: String,
@@ -81,7 +84,8 @@ pub struct PriorV1 {
 }
 
 /// One candidate in the choice.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct RatedCandidateV1 {
     /// Candidate.
     pub id: String,
@@ -139,7 +143,8 @@ pub struct RatedCandidateV1 {
 }
 
 /// What a prior adds to the criterion of a candidate.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct PriorTermV1 {
     /// Name of the prior.
     pub name: String,

@@ -1,12 +1,12 @@
 //! Record: the motion of a candidate beside the test.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The response of one candidate beside the test. Topic `/simulation/<candidate id>`.
 ///
 /// Errors are taken over the window `from_s`..`to_s` after time zero.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct SimulationV1 {
     /// Dynamic crush of the model, m; `null` if its velocity never reaches zero.
     pub dynamic_crush_m: Option<f64>,
@@ -87,7 +87,8 @@ pub struct SimulationV1 {
 
 /// Acceleration of the test less that of a model over the compared window. The model's is that of its motion, the
 /// test's went through the filter: what the filter takes from the model is part of it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct ResidualV1 {
     /// Root mean square, m/s².
     pub rms_m_per_s2: f64,
@@ -107,7 +108,8 @@ pub struct ResidualV1 {
 
 /// Half-widths of the 95 % band about the motion of a model's compartment, from contact to the end of the compared
 /// window.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct MotionBandV1 {
     /// Distance of the instants, s.
     pub dt_s: f64,
@@ -118,7 +120,8 @@ pub struct MotionBandV1 {
 }
 
 /// One rating of a curve of the model against the test's.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct RatingV1 {
     /// Name, e.g. `cora`.
     pub name: String,
@@ -139,7 +142,8 @@ pub struct RatingV1 {
 }
 
 /// A candidate beside a sensor that its fit did not see.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct OtherSensorV1 {
     /// Channel.
     pub channel: String,
@@ -152,7 +156,8 @@ pub struct OtherSensorV1 {
 }
 
 /// Where the energy of a model is at one instant.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct EnergyV1 {
     /// `start`, `dynamic crush` (the sample next to it) or `end`.
     pub instant: String,

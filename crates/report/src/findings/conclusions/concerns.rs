@@ -3,7 +3,6 @@
 use crumple_artifact::records::{RemarkV1, SeverityV1};
 use crumple_signal::{About, Weight};
 use crumple_stage::is_no_result;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::findings::conclusions::kind::{Kind, kind_of};
@@ -11,9 +10,10 @@ use crate::findings::conclusions::own_remarks::own_remarks;
 use crate::findings::{Ranking, Run};
 
 /// A warning of a run as its surfaces show it, or the diagnosis of a stage without a result.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(default)]
-#[schemars(!default)]
+#[cfg_attr(feature = "schemas", schemars(!default))]
 pub struct Concern {
     /// The stage that says it.
     pub stage: String,

@@ -6,7 +6,6 @@ use crumple_artifact::records::{EventsV1, MetricV1, PredictionV1};
 use crumple_signal::About;
 use crumple_signal::display::factor_shown;
 use crumple_signal::key_quantities::{CRUSH, DELTA_V, OLC, PEAK, STIFFNESS, STROKE};
-use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::findings::conclusions::concerns::{Concern, concerns, what_to_do};
@@ -36,7 +35,8 @@ pub(super) const FIT: (f64, usize, &str) = (1.0, 1, "%");
 const NO_MOTION: &str = "This report holds no motion of a vehicle.";
 
 /// A number of the sentences and where `summary.json` has it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct Number {
     /// JSON pointer into the summary.
     pub at: String,
@@ -52,9 +52,10 @@ fn known<'de, T: Default + serde::de::DeserializeOwned, D: Deserializer<'de>>(re
 }
 
 /// The verdict.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(default)]
-#[schemars(!default)]
+#[cfg_attr(feature = "schemas", schemars(!default))]
 pub struct Conclusion {
     /// What kind of record it is about.
     #[serde(deserialize_with = "known")]
@@ -63,10 +64,10 @@ pub struct Conclusion {
     #[serde(deserialize_with = "known")]
     pub standing: ResultStatus,
     /// Whether the results may be used; `None`: an early version did not say it.
-    #[schemars(with = "Status")]
+    #[cfg_attr(feature = "schemas", schemars(with = "Status"))]
     pub status: Option<Status>,
     /// Whether the record is sound; `None`: an earlier version did not say it.
-    #[schemars(with = "Soundness")]
+    #[cfg_attr(feature = "schemas", schemars(with = "Soundness"))]
     pub record: Option<Soundness>,
     /// What the warning is about that says it is not, as in `concerns`; `None`: it is sound, or an earlier version did
     /// not say it.
@@ -75,7 +76,7 @@ pub struct Conclusion {
     pub good_for: Vec<Use>,
     /// Its one reason, typed.
     #[serde(deserialize_with = "known")]
-    #[schemars(with = "StatusReason")]
+    #[cfg_attr(feature = "schemas", schemars(with = "StatusReason"))]
     pub status_reason: Option<StatusReason>,
     /// The reason in words.
     #[serde(skip)]

@@ -1,7 +1,6 @@
 //! Candidates that answer with the same curve, together: a table of them has one row a curve.
 
 use crumple_signal::Sampled;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::findings::results::ranking::pairs_of_equals;
@@ -19,7 +18,8 @@ pub const SAME_RESTITUTION: f64 = 0.01;
 const TOLD_APART: f64 = 10.0;
 
 /// A curve and the candidates that have it.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct DistinctCurve {
     /// The candidate that stands for it: the recommended one, else the one with the fewest parameters.
     pub id: String,

@@ -11,15 +11,15 @@ use crumple_signal::key_quantities::{
     OLC, PEAK, RECORDED_CRUSH, RECORDED_EES, RESTITUTION, STROKE, TIME_OF_CRUSH, TIME_OF_MAXIMUM_DELTA_V,
     TOTAL_DELTA_V, UNKNOWN,
 };
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::findings::Run;
 
 /// One of the first numbers of a run, SI.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(default)]
-#[schemars(!default)]
+#[cfg_attr(feature = "schemas", schemars(!default))]
 pub struct KeyNumber {
     /// Name, that of the metric where it is one.
     pub name: Cow<'static, str>,
@@ -59,7 +59,8 @@ const AT_MOST: &str = "\u{2264}\u{a0}";
 const STRAIGHT_DEG: f64 = 0.5;
 
 /// Range of a number over several sensors that measured the same.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct Spread {
     /// Lowest value.
     pub low: f64,

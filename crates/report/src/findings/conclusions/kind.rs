@@ -2,13 +2,13 @@
 
 use crumple_signal::key_quantities::MAXIMUM_DELTA_V;
 use crumple_signal::{ANOTHER_VEHICLE, About, part_of};
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::findings::Run;
 
 /// What kind of record the verdict is about.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
     /// A vehicle that was stopped: by a barrier, or as if by one.
@@ -35,7 +35,8 @@ pub enum Kind {
 }
 
 /// Whether what was asked for is there.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum ResultStatus {
     /// A model is recommended, or the identified one is the result.

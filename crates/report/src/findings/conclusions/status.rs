@@ -2,7 +2,6 @@
 
 use crumple_artifact::records::{PredictedIntervalV1, PredictionV1, StrengthV1};
 use crumple_lumped::{ParameterKind, parameter_kind};
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::findings::conclusions::concerns::{Concern, decisive_warning, is_of_the_test, warnings};
@@ -23,7 +22,8 @@ fn said_percent(half_width: f64) -> f64 {
 }
 
 /// One word on the results of a run, the better one less.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
     /// Of an adequate model whose prediction is known to 10 %.
@@ -51,7 +51,8 @@ impl Status {
 }
 
 /// The one reason of a status: what limits the results most. Numbers in SI; percentages of the value.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 #[allow(missing_docs, reason = "fields are named after what they are")]
 pub enum StatusReason {

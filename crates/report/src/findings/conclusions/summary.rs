@@ -6,7 +6,6 @@ use crumple_artifact::records::{
     EventsV1, FitV1, ImpactV1, IntervalSourceV1, MetricV1, ModeV1, PredictionV1, RemarkV1, SimulationV1, UncertaintyV1,
 };
 use crumple_stage::is_no_result;
-use schemars::JsonSchema;
 use serde::de::Error as _;
 use serde::{Deserialize, Serialize};
 
@@ -25,6 +24,7 @@ const SCHEMA: &str = "crumple.summary.v1";
 pub const OF_SEVERAL_TESTS: &str = "crumple.together.v1";
 
 /// The JSON Schema of `summary.json`.
+#[cfg(feature = "schemas")]
 pub fn summary_schema() -> serde_json::Value {
     let written = schemars::generate::SchemaSettings::draft2020_12().for_serialize();
     written.into_generator().into_root_schema_for::<Summary>().to_value()
@@ -32,9 +32,10 @@ pub fn summary_schema() -> serde_json::Value {
 
 /// The summary of a run. Keys are written in the order of the fields, numbers in full, SI units throughout. What an
 /// earlier version did not write is empty when it is read.
-#[derive(Debug, Clone, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(default)]
-#[schemars(!default)]
+#[cfg_attr(feature = "schemas", schemars(!default))]
 #[allow(missing_docs, reason = "fields are named after what they are")]
 pub struct Summary {
     pub schema: String,
@@ -101,9 +102,10 @@ pub struct Summary {
 }
 
 /// The test.
-#[derive(Debug, Clone, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(default)]
-#[schemars(!default)]
+#[cfg_attr(feature = "schemas", schemars(!default))]
 #[allow(missing_docs, reason = "fields are named after what they are")]
 pub struct TestSummary {
     pub title: String,
@@ -116,9 +118,10 @@ pub struct TestSummary {
 }
 
 /// A metric of the pulse.
-#[derive(Debug, Clone, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(default)]
-#[schemars(!default)]
+#[cfg_attr(feature = "schemas", schemars(!default))]
 #[allow(missing_docs, reason = "fields are named after what they are")]
 pub struct MetricSummary {
     pub value: Option<f64>,
@@ -134,9 +137,10 @@ pub struct MetricSummary {
 }
 
 /// A metric of another channel.
-#[derive(Debug, Clone, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(default)]
-#[schemars(!default)]
+#[cfg_attr(feature = "schemas", schemars(!default))]
 #[allow(missing_docs, reason = "fields are named after what they are")]
 pub struct OtherMetricSummary {
     pub name: String,
@@ -147,9 +151,10 @@ pub struct OtherMetricSummary {
 }
 
 /// An identified model.
-#[derive(Debug, Clone, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(default)]
-#[schemars(!default)]
+#[cfg_attr(feature = "schemas", schemars(!default))]
 #[allow(missing_docs, reason = "fields are named after what they are")]
 pub struct ModelSummary {
     pub id: String,
@@ -166,7 +171,8 @@ pub struct ModelSummary {
 }
 
 /// A pole.
-#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[allow(missing_docs, reason = "fields are named after what they are")]
 pub struct PoleSummary {
     pub re_per_s: f64,
@@ -174,7 +180,8 @@ pub struct PoleSummary {
 }
 
 /// A transfer function, highest power first.
-#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[allow(missing_docs, reason = "fields are named after what they are")]
 pub struct TransferFunctionSummary {
     pub numerator: Vec<f64>,
@@ -182,9 +189,10 @@ pub struct TransferFunctionSummary {
 }
 
 /// A candidate.
-#[derive(Debug, Clone, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(default)]
-#[schemars(!default)]
+#[cfg_attr(feature = "schemas", schemars(!default))]
 #[allow(missing_docs, reason = "fields are named after what they are")]
 pub struct CandidateSummary {
     pub id: String,
@@ -206,7 +214,8 @@ pub struct CandidateSummary {
 }
 
 /// Which solution of coefficient matching the simulation supports.
-#[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[allow(missing_docs, reason = "fields are named after what they are")]
 pub struct MatchingSummary {
     pub id: String,

@@ -4,7 +4,6 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use crumple_signal::About;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::findings::conclusions::concerns::{Concern, is_of_the_test, warnings};
@@ -18,7 +17,8 @@ use crate::findings::{CandidateResult, Ranking, Run};
 use crate::words;
 
 /// Whether the record is what it is taken for: the right channel, sign, unit, mass, speed and time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Soundness {
     /// Nothing speaks against it.
@@ -41,7 +41,8 @@ impl Soundness {
 }
 
 /// Something that a run can be used for.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 #[allow(missing_docs, reason = "fields are named after what they are")]
 pub enum Use {

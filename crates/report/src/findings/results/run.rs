@@ -11,7 +11,6 @@ use crumple_lumped::{ParameterKind, parameter_kind};
 use crumple_signal::{Axis, Channel, Sampled, TestDescription};
 use crumple_stage::Pipeline;
 use crumple_stage::is_no_result;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::drawing::numbers::NBSP;
@@ -326,7 +325,8 @@ pub fn doubt_in_words(doubt: Doubt) -> &'static str {
 }
 
 /// How sure a record is of the numbers of a candidate that were asked of it.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct IdentifiabilityCounts {
     /// How many were asked of it.
     pub parameters: usize,
@@ -388,7 +388,8 @@ pub struct StageRecord {
 }
 
 /// A program from elsewhere that stands for a stage.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schemas", derive(schemars::JsonSchema))]
 pub struct StageProgram {
     /// The stage.
     pub stage: String,
