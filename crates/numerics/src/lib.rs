@@ -2,7 +2,8 @@
 //!
 //! - [`linalg`]: singular values, least squares, inner products, Fourier transforms of small dense problems;
 //! - [`lti`]: linear time-invariant systems, their discretisation, poles and responses;
-//! - [`estimation`]: bounded minimisers, statistics of residuals, reproducible random numbers.
+//! - [`estimation`]: bounded minimisers, statistics of residuals, reproducible random numbers;
+//! - [`thinning`]: lines through points with fewer of them.
 //!
 //! ```
 //! use crumple_numerics::lti::TransferFunction;
@@ -27,3 +28,4 @@ pub mod estimation {
 }
 pub mod linalg;
 pub mod lti;
+pub mod thinning;

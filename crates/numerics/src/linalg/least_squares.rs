@@ -1,9 +1,10 @@
 //! Linear least squares: tall systems row block by row block, and with non-negative unknowns.
 
 use nalgebra::{DMatrix, DVector};
+use pulp::{Arch, Simd, WithSimd};
 
 use crate::linalg;
-use crate::linalg::dot;
+use crate::linalg::{dot, dot_here};
 
 /// A gradient counts as zero below this share of the column's length times that of the right side: rounding of an
 /// inner product of some thousand terms.
@@ -124,6 +125,12 @@ impl TriangularFactor {
 
     /// Adds the rows of a block: `rows` entries of the first column, then of the second, ... The block is destroyed.
     pub fn push(&mut self, rows: usize, block: &mut [f64]) {
+        Arch::new().dispatch(Push { factor: self, rows, block });
+    }
+
+    /// The same in the vectors of the caller; all of it is inlined there.
+    #[inline(always)]
+    fn push_here(&mut self, rows: usize, block: &mut [f64]) {
         let p = self.columns;
         debug_assert_eq!(block.len(), rows * p);
         self.rows += rows;
@@ -136,13 +143,13 @@ impl TriangularFactor {
             }
             let (y, rest) = rest.split_at_mut(rows);
             let top = &mut self.r[(j + 1) * p + j];
-            let s = first.share(top, dot(x, y));
+            let s = first.share(top, dot_here(x, y));
             for (y, x) in y.iter_mut().zip(x) {
                 *y -= s * x;
             }
             let y = &*y;
             let second = self.reflection(j + 1, y);
-            let cross = dot(x, y);
+            let cross = dot_here(x, y);
             // Both on two columns in one pass: half the traffic between cache and registers.
             let mut tops = self.r[(j + 2) * p..].chunks_exact_mut(p);
             let mut pairs = rest.chunks_exact_mut(2 * rows);
@@ -162,8 +169,8 @@ impl TriangularFactor {
             }
             let last = pairs.into_remainder();
             if let (Some(top), false) = (tops.next(), last.is_empty()) {
-                let s = first.share(&mut top[j], dot(x, last));
-                let t = second.share(&mut top[j + 1], dot(y, last) - s * cross);
+                let s = first.share(&mut top[j], dot_here(x, last));
+                let t = second.share(&mut top[j + 1], dot_here(y, last) - s * cross);
                 for ((c, x), y) in last.iter_mut().zip(x).zip(y) {
                     *c -= s * x + t * y;
                 }
@@ -172,8 +179,9 @@ impl TriangularFactor {
     }
 
     /// The reflection that takes `x`, below the diagonal entry `j`, to zero; that entry becomes what it has to be.
+    #[inline(always)]
     fn reflection(&mut self, j: usize, x: &[f64]) -> Reflection {
-        let sigma = dot(x, x);
+        let sigma = dot_here(x, x);
         if sigma == 0.0 {
             return Reflection { head: 0.0, factor: 0.0 };
         }
@@ -293,7 +301,24 @@ impl Reflection {
     }
 }
 
+/// A block of rows on its way into a factor.
+struct Push<'a> {
+    factor: &'a mut TriangularFactor,
+    rows: usize,
+    block: &'a mut [f64],
+}
+
+impl WithSimd for Push<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.factor.push_here(self.rows, self.block);
+    }
+}
+
 /// `x·c`, `y·c`, `x·d`, `y·d` in one pass.
+#[inline(always)]
 fn four_products(x: &[f64], y: &[f64], c: &[f64], d: &[f64]) -> [f64; 4] {
     const LANES: usize = 4;
     let ((xs, x), (ys, y)) = (x.as_chunks::<LANES>(), y.as_chunks::<LANES>());
@@ -307,7 +332,7 @@ fn four_products(x: &[f64], y: &[f64], c: &[f64], d: &[f64]) -> [f64; 4] {
             sums[3][lane] += y[lane] * d[lane];
         }
     }
-    let rest = [dot(x, c), dot(y, c), dot(x, d), dot(y, d)];
+    let rest = [dot_here(x, c), dot_here(y, c), dot_here(x, d), dot_here(y, d)];
     std::array::from_fn(|k| sums[k].iter().sum::<f64>() + rest[k])
 }
 

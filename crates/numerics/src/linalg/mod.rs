@@ -8,6 +8,7 @@
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, SymmetricEigen};
+use pulp::{Arch, Simd, WithSimd};
 use realfft::RealFftPlanner;
 
 pub use least_squares::{CONDITION_LIMIT, Solution, TriangularFactor, nonnegative_least_squares};
@@ -149,9 +150,29 @@ pub fn pseudo_inverse_times(a: &DMatrix<f64>, b: &DMatrix<f64>) -> Option<DMatri
 // Sums of eight interleaved parts: faster than one running sum, and its rounding error grows with an eighth of the
 // length.
 
-/// Inner product of slices of one length, in eight interleaved sums, an order the compiler can keep in vector
-/// registers.
+/// Inner product of slices of one length, in eight interleaved sums: the same bits in vectors of any width.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    if a.len() < WIDER { dot_here(a, b) } else { Arch::new().dispatch(Dot(a, b)) }
+}
+
+/// Length from which asking the processor for its widest vectors costs less than they save. Ours: 64 products take
+/// longer than to ask.
+const WIDER: usize = 64;
+
+struct Dot<'a>(&'a [f64], &'a [f64]);
+
+impl WithSimd for Dot<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        dot_here(self.0, self.1)
+    }
+}
+
+/// [`dot`] in the vectors of the caller.
+#[inline(always)]
+pub(crate) fn dot_here(a: &[f64], b: &[f64]) -> f64 {
     debug_assert_eq!(a.len(), b.len(), "an inner product is of slices of one length");
     let mut sums = [0.0; 8];
     let (a_chunks, b_chunks) = (a.chunks_exact(8), b.chunks_exact(8));

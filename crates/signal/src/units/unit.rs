@@ -2,6 +2,8 @@
 //!
 //! Used where values come in (files, flags, pipeline tables) and go out to people (summaries, the report).
 
+use std::sync::LazyLock;
+
 use crate::{QuantityKind, STANDARD_GRAVITY_M_PER_S2};
 
 /// What a unit measures, beyond the quantities of signals.
@@ -210,8 +212,21 @@ pub fn near(symbol: &str, dimension: Dimension) -> Vec<&'static str> {
     of.filter(|(spellings, ..)| spellings.iter().any(|s| is_near(&s))).map(|(spellings, ..)| spellings[0]).collect()
 }
 
-fn is_among(spellings: &[&str], squeezed: &str) -> bool {
-    spellings.iter().any(|spelling| squeeze(spelling) == squeezed)
+/// The spellings of [`UNITS`] as [`squeeze`] writes them, in the order of the table.
+static SQUEEZED: LazyLock<Vec<(String, Dimension, f64)>> = LazyLock::new(|| {
+    let spellings_of = |(spellings, dimension, factor): &(&[&str], Dimension, f64)| {
+        spellings.iter().map(|spelling| (squeeze(spelling), *dimension, *factor)).collect::<Vec<_>>()
+    };
+    UNITS.iter().flat_map(spellings_of).collect()
+});
+
+/// The units that `symbol` may stand for, with their factors to SI, in the order of the table.
+fn units_of(symbol: &str) -> impl Iterator<Item = (Dimension, f64)> {
+    let symbol = squeeze(symbol);
+    SQUEEZED
+        .iter()
+        .filter(move |(spelling, ..)| *spelling == symbol)
+        .map(|(_, dimension, factor)| (*dimension, *factor))
 }
 
 /// The factor that takes a value in `symbol` to SI, if `symbol` is a unit of `dimension`.
@@ -222,8 +237,7 @@ fn is_among(spellings: &[&str], squeezed: &str) -> bool {
 /// assert_eq!(factor("g", Dimension::Mass), None);
 /// ```
 pub fn factor(symbol: &str, dimension: Dimension) -> Option<f64> {
-    let symbol = squeeze(symbol);
-    UNITS.iter().find(|(spellings, d, _)| *d == dimension && is_among(spellings, &symbol)).map(|(_, _, factor)| *factor)
+    units_of(symbol).find(|(d, _)| *d == dimension).map(|(_, factor)| factor)
 }
 
 /// A symbol without the brackets around it: `[g]` is `g`, `(m/s^2` is `m/s^2`; `m/(s*s)` stays, its bracket belongs to
@@ -284,9 +298,8 @@ pub fn opening_bracket(text: &str) -> Option<usize> {
 
 /// The signal quantity and factor of a unit found in a file, e.g. `G'S` or `km/h`.
 pub fn signal_unit(symbol: &str) -> Option<(QuantityKind, f64)> {
-    let symbol = squeeze(symbol);
-    UNITS.iter().find_map(|(spellings, dimension, factor)| match dimension {
-        Signal(kind) if is_among(spellings, &symbol) => Some((*kind, *factor)),
+    units_of(symbol).find_map(|(dimension, factor)| match dimension {
+        Signal(kind) => Some((kind, factor)),
         _ => None,
     })
 }

@@ -3,11 +3,11 @@
 
 use std::borrow::Cow;
 
+use crumple_numerics::thinning::extremes;
 use crumple_signal::Sampled;
 use crumple_signal::display::{factor_shown, unit_shown};
 
 use super::look::{Colour, Dash, Look};
-use super::thinning::extremes;
 
 /// A figure of the report: panels that share a legend.
 #[derive(Debug, Clone)]
@@ -265,9 +265,8 @@ pub fn over_time(signal: &Sampled, factor: f64) -> Vec<[f64; 2]> {
         return (0..samples.len()).map(point).collect();
     }
     let stretch = samples.len().div_ceil(MOST_POINTS / 4);
-    let of_stretch = |(j, values): (usize, &[f64])| {
-        extremes(values.len(), |k| values[k]).map(|k| point(j * stretch + k)).collect::<Vec<_>>()
-    };
+    let of_stretch =
+        |(j, values): (usize, &[f64])| extremes(values).into_iter().map(|k| point(j * stretch + k)).collect::<Vec<_>>();
     samples.chunks(stretch).enumerate().flat_map(of_stretch).collect()
 }
 

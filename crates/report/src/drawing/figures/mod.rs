@@ -6,5 +6,4 @@ pub mod look;
 pub mod panel;
 mod polyline;
 pub mod sparkline;
-mod thinning;
 mod ticks;

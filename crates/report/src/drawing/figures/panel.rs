@@ -4,10 +4,11 @@
 use std::borrow::Cow;
 use std::fmt::Write;
 
+use crumple_numerics::thinning::{NEAR, thinned};
+
 use super::figure::{Axis, Curve, Figure, Panel};
 use super::look::{Look, Symbol};
 use super::polyline::polyline;
-use super::thinning::{NEAR, thinned};
 use super::ticks::{self, Ticks};
 use crate::drawing::numbers::{significant, superscript};
 use crate::drawing::text::escape::{address, html};

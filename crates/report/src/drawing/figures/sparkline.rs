@@ -1,8 +1,9 @@
 //! A curve without axes, for a cell of a table.
 
+use crumple_numerics::thinning::thinned;
+
 use super::figure::span;
 use super::polyline::polyline;
-use super::thinning::thinned;
 
 /// Width and height, in units of which the style of a page makes pixels.
 const WIDTH: f64 = 90.0;

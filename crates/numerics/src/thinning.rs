@@ -1,4 +1,4 @@
-//! Fewer points with the same look: of a pixel's columns the extremes, and no point that a straight line replaces.
+//! A line through points, drawn with fewer of them: of a pixel's columns the extremes, and no point that a straight line replaces.
 
 /// Columns a unit of width: two of a display's pixels on most displays, and room to zoom.
 const COLUMNS: f64 = 2.0;
@@ -15,13 +15,17 @@ pub fn thinned(points: &[[f64; 2]], near: f64) -> Vec<[f64; 2]> {
 fn by_columns(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let mut kept = Vec::new();
     for column in points.chunk_by(|a, b| column_of(a[0]) == column_of(b[0])) {
-        kept.extend(extremes(column.len(), |k| column[k][1]).map(|k| column[k]));
+        kept.extend(places_of_extremes(column.len(), |k| column[k][1]).map(|k| column[k]));
     }
     kept
 }
 
-/// Places of the first, the lowest, the highest and the last of so many values, at least one, in order, each once.
-pub fn extremes(count: usize, value: impl Fn(usize) -> f64) -> impl Iterator<Item = usize> {
+/// Places of the first, the lowest, the highest and the last of at least one value, in order, each once.
+pub fn extremes(values: &[f64]) -> Vec<usize> {
+    places_of_extremes(values.len(), |k| values[k]).collect()
+}
+
+fn places_of_extremes(count: usize, value: impl Fn(usize) -> f64) -> impl Iterator<Item = usize> {
     let extreme = |better: fn(f64, f64) -> bool| {
         (0..count).fold(0, |best, k| if better(value(k), value(best)) { k } else { best })
     };
