@@ -1,7 +1,6 @@
 //! Records as JSON text, known by the name of their schema alone, and patterns of topics.
 
 use serde::Serialize;
-#[cfg(feature = "schemas")]
 use serde_json::Value;
 
 use crate::layout::names::same_type;
