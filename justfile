@@ -213,6 +213,8 @@ lint:
     cargo test --workspace --test architecture --quiet
     cargo fmt --all --check
     cargo clippy --workspace --all-targets --quiet -- -D warnings
+    @# As users build it, without what checks alone turn on.
+    cargo check --workspace --exclude crumple-testkit --bins --quiet
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --quiet
 
 # Writes docs/schemas/, the JSON Schemas of all records and of summary.json. They are built into the programs: for a record type that is new, make an empty file first.

@@ -28,33 +28,64 @@ pub(crate) fn end_of(curve: &Sampled) -> f64 {
     curve.time_s(curve.len().saturating_sub(1))
 }
 
-/// The integral of a curve from its start to each sample, by the trapezoidal rule.
+/// Knots that an integral keeps at most: of ten million samples one every 150, between which a pulse is straight.
+const KNOTS: usize = 1 << 16;
+
+/// The integral of a curve from its start to each of its knots, by the trapezoidal rule over all samples. Of a curve of
+/// up to [`KNOTS`] samples each is a knot.
 pub(crate) struct Running {
     t0_s: f64,
+    /// From knot to knot.
     dt_s: f64,
     sums: Vec<f64>,
+    /// The last sample, which may lie behind the last knot: its time and the whole integral.
+    end: (f64, f64),
 }
 
 impl Running {
     pub(crate) fn of(curve: &Sampled) -> Self {
-        Self { t0_s: curve.t0_s(), dt_s: curve.dt_s(), sums: sums(curve.samples(), curve.dt_s()) }
+        let stride = curve.len().div_ceil(KNOTS).max(1);
+        let (samples, dt_s) = (curve.samples(), curve.dt_s());
+        let (mut sum, mut sums) = (0.0, vec![0.0]);
+        for (index, pair) in samples.windows(2).enumerate() {
+            sum += (pair[0] + pair[1]) / 2.0 * dt_s;
+            if (index + 1) % stride == 0 {
+                sums.push(sum);
+            }
+        }
+        Self { t0_s: curve.t0_s(), dt_s: stride as f64 * dt_s, sums, end: (end_of(curve), sum) }
+    }
+
+    /// The integral of a function from the first knot to each of these, by the trapezoidal rule.
+    fn of_function(&self, function: impl Fn(f64) -> Option<f64>) -> Option<Self> {
+        let (mut sum, mut sums, mut before) = (0.0, Vec::with_capacity(self.sums.len()), None);
+        for index in 0..self.sums.len() {
+            let value = function(self.time_of(index))?;
+            sum += before.map_or(0.0, |before| (before + value) / 2.0 * self.dt_s);
+            sums.push(sum);
+            before = Some(value);
+        }
+        let (end_s, last_s) = (self.end.0, self.time_of(self.sums.len() - 1));
+        let of_rest = (before? + function(end_s)?) / 2.0 * (end_s - last_s).max(0.0);
+        Some(Self { t0_s: self.t0_s, dt_s: self.dt_s, sums, end: (end_s, sum + of_rest) })
+    }
+
+    fn time_of(&self, knot: usize) -> f64 {
+        self.t0_s + knot as f64 * self.dt_s
+    }
+
+    fn at(&self, time_s: f64) -> Option<f64> {
+        between(self.t0_s, self.dt_s, &self.sums, time_s).or_else(|| {
+            let (last_s, last) = (self.time_of(self.sums.len() - 1), *self.sums.last()?);
+            let ((end_s, end), share) = (self.end, (time_s - last_s) / (self.end.0 - last_s));
+            (last_s < time_s && time_s <= end_s + 1e-6 * self.dt_s).then_some(last + share.min(1.0) * (end - last))
+        })
     }
 
     /// The integral from `from_s` to `to_s`; `None` where the curve does not reach that far.
     pub(crate) fn over(&self, from_s: f64, to_s: f64) -> Option<f64> {
-        let at = |time_s| between(self.t0_s, self.dt_s, &self.sums, time_s);
-        Some(at(to_s)? - at(from_s)?)
+        Some(self.at(to_s)? - self.at(from_s)?)
     }
-}
-
-/// Integrals of samples from the first to each, by the trapezoidal rule.
-fn sums(samples: &[f64], dt_s: f64) -> Vec<f64> {
-    let mut sum = 0.0;
-    let steps = samples.windows(2).map(|pair| {
-        sum += (pair[0] + pair[1]) / 2.0 * dt_s;
-        sum
-    });
-    std::iter::once(0.0).chain(steps).collect()
 }
 
 /// Times on the grid of a curve from `from_s` to `to_s`, not more than are looked at.
@@ -136,9 +167,7 @@ pub(crate) fn ways(recorded: &Sampled, filtered: &Sampled, speed: f64) -> Option
     let from_s = recorded.t0_s().max(filtered.t0_s()).max(0.0);
     let way = |curve: &Sampled, level: f64| {
         let velocity = Running::of(curve);
-        let moving = |t: f64| Some(speed + velocity.over(curve.t0_s(), t)? - level * (t - curve.t0_s()));
-        let samples: Option<Vec<f64>> = (0..curve.len()).map(|k| moving(curve.time_s(k))).collect();
-        Some(Running { t0_s: curve.t0_s(), dt_s: curve.dt_s(), sums: sums(&samples?, curve.dt_s()) })
+        velocity.of_function(|t| Some(speed + velocity.over(curve.t0_s(), t)? - level * (t - curve.t0_s())))
     };
     let (of_recorded, of_filtered) = (way(recorded, level_taken_out(recorded, filtered))?, way(filtered, 0.0)?);
     let at = |way: &Running, t| way.over(from_s, t);
@@ -192,6 +221,26 @@ mod tests {
     use super::*;
 
     const RATE_HZ: f64 = 20_000.0;
+
+    #[test]
+    fn a_long_curve_has_the_integral_of_all_its_samples_at_few_knots() {
+        // Two and a half knots' worth of samples and a rest: a ramp of 1/s, whose integral is t^2/2.
+        let count = 5 * KNOTS / 2 + 7;
+        let dt_s = 1e-6;
+        let ramp = Sampled::new(-0.01, dt_s, (0..count).map(|k| k as f64 * dt_s).collect()).unwrap();
+        let running = Running::of(&ramp);
+        assert!(running.sums.len() <= KNOTS);
+        let length_s = (count - 1) as f64 * dt_s;
+        for share in [0.0, 0.123, 0.5, 0.999_99, 1.0] {
+            let t = share * length_s;
+            let found = running.over(-0.01, -0.01 + t).unwrap();
+            // Straight between knots three samples apart: an eighth of the square of that.
+            assert!((found - t * t / 2.0).abs() < (3.0 * dt_s).powi(2) / 8.0 + 1e-14, "{share}: {found}");
+        }
+        assert!(running.over(-0.01, -0.01 + length_s + dt_s).is_none());
+        let twice = running.of_function(|t| Some(t + 0.01)).unwrap();
+        assert!((twice.over(-0.01, -0.01 + length_s).unwrap() - length_s * length_s / 2.0).abs() < 1e-11);
+    }
 
     /// A second of braking by 7 m/s^2, a half sine of 80 ms, and noise of 20 m/s^2 that is the same each time.
     fn after_braking() -> Sampled {
