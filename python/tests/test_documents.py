@@ -15,7 +15,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 RECORD = ROOT / "fixtures/elastoplastic/crash.csv"
-NOTEBOOK = ROOT / "docs/examples/crash-to-prediction.ipynb"
+NOTEBOOKS = sorted((ROOT / "docs/examples").glob("*.ipynb"))
 
 
 class PlainSpaces(doctest.OutputChecker):
@@ -56,11 +56,12 @@ def test_the_kit_of_a_stage(stage, monkeypatch):
     assert run.summary["events"]["dynamic_crush_m"] == pytest.approx(0.6956, rel=0.01)
 
 
-def test_the_notebook_shows_what_it_gives(monkeypatch):
+@pytest.mark.parametrize("file", NOTEBOOKS, ids=lambda file: file.stem)
+def test_a_notebook_shows_what_it_gives(file, monkeypatch):
     """`CRUMPLE_WRITE_NOTEBOOK=1` writes the outputs."""
     pytest.importorskip("pandas")
-    monkeypatch.chdir(NOTEBOOK.parent)
-    notebook, names = json.loads(NOTEBOOK.read_text("utf-8")), {}
+    monkeypatch.chdir(file.parent)
+    notebook, names = json.loads(file.read_text("utf-8")), {}
     before = json.dumps(notebook)
     for cell in notebook["cells"]:
         if cell["cell_type"] == "code":
@@ -69,7 +70,7 @@ def test_the_notebook_shows_what_it_gives(monkeypatch):
             lines = (printed.getvalue() + shown).replace("\xa0", " ").splitlines(keepends=True)
             cell["outputs"] = [{"name": "stdout", "output_type": "stream", "text": lines}] if lines else []
     if os.environ.get("CRUMPLE_WRITE_NOTEBOOK"):
-        NOTEBOOK.write_text(json.dumps(notebook, indent=1, ensure_ascii=False) + "\n", "utf-8")
+        file.write_text(json.dumps(notebook, indent=1, ensure_ascii=False) + "\n", "utf-8")
     else:
         assert json.dumps(notebook) == before
 

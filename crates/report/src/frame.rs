@@ -127,6 +127,17 @@ pub(crate) fn heads(columns: &[Column]) -> String {
     columns.iter().map(cell).collect()
 }
 
+/// Words of a caption that stand open: one line of a window.
+const OPEN_WORDS: usize = 20;
+
+/// A caption; a long one is folded behind one line, for who asks how to read what stands above.
+pub(crate) fn caption(html: &str) -> String {
+    if html.split_whitespace().count() <= OPEN_WORDS {
+        return format!("<p class=\"caption\">{html}</p>\n");
+    }
+    format!("<details class=\"caption\"><summary>How to read this</summary>\n<p>{html}</p>\n</details>\n")
+}
+
 /// The opening of a table with these columns.
 pub(crate) fn table(class: &str, columns: &[Column]) -> String {
     let class = if class.is_empty() { String::new() } else { format!(" class=\"{class}\"") };

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use crate::drawing::escape::html;
 use crate::drawing::{Drawing, Figure, swatch};
+use crate::frame::caption;
 
 /// Writes figures into a grid of two columns where the window has room for them, under headings of an element.
 pub(crate) fn write(out: &mut String, figures: &[Figure], heading: &str) {
@@ -36,7 +37,7 @@ fn written(figure: &Figure, heading: &str) -> String {
         ));
     }
     if figure.legend.iter().any(|entry| !entry.shown) {
-        // On a narrow screen the names of curves that wait are shown on demand, by style alone.
+        // The names of curves that wait are shown on demand, by style alone.
         out.push_str(
             "<li class=\"all\"><label><input type=\"checkbox\" autocomplete=\"off\">names of the hidden \
              curves</label></li>\n",
@@ -47,7 +48,7 @@ fn written(figure: &Figure, heading: &str) -> String {
     out.extend(figure.panels.par_iter().enumerate().map(svg).collect::<Vec<_>>());
     out.push_str("</div>\n");
     if !figure.caption.is_empty() {
-        out.push_str(&format!("<p class=\"caption\">{}</p>\n", html(&figure.caption)));
+        out.push_str(&caption(&html(&figure.caption)));
     }
     out.push_str("</section>\n");
     out

@@ -3,6 +3,7 @@
 use crate::drawing::escape::html;
 use crate::drawing::numbers::{ABSENT, MILLI, NBSP};
 use crate::findings::{Conclusion, KeyNumber, Run, class_of_record};
+use crate::frame::caption;
 use crate::words;
 use crumple_artifact::records::IntervalSourceV1;
 use crumple_signal::ANOTHER_VEHICLE;
@@ -172,6 +173,6 @@ pub(super) fn write_caption(out: &mut String, numbers: &[KeyNumber]) {
         );
     }
     if !sentences.is_empty() {
-        out.push_str(&format!("<p class=\"caption\">{}</p>\n", sentences.join(" ")));
+        out.push_str(&caption(&sentences.join(" ")));
     }
 }

@@ -9,7 +9,7 @@ use crate::words;
 use crumple_artifact::records::{PredictionV1, RatedCandidateV1};
 use crumple_signal::key_quantities::CRUSH;
 
-use crate::frame::{Column, table};
+use crate::frame::{Column, caption, table};
 
 use super::{CRUSH_ERROR, TIME_ERROR, bars};
 
@@ -47,12 +47,16 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
             .of("mm")
             .means("Dynamic crush as predicted at this speed, same mass, same wall; below it the 90 % interval.")
     }));
-    out.push_str(&table("candidates curves", &columns));
+    let of = run.candidates.len();
+    out.push_str(&format!(
+        "<details class=\"printed\"><summary>All distinct curves side by side: {} of {of} candidates</summary>\n{}",
+        curves.len(),
+        table("candidates curves", &columns)
+    ));
     for curve in &curves {
         row(out, run, ranking, curve, &speeds, has_evidence);
     }
     out.push_str("</tbody>\n</table></div>\n");
-    let of = run.candidates.len();
     let together = if curves.len() < of {
         format!(
             "{of} candidates, {} distinct curves: those in one row differ over the compared window by no more than {} \
@@ -65,10 +69,11 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
     } else {
         String::new()
     };
-    out.push_str(&format!(
-        "<p class=\"caption\">{together}Highlighted is the chosen model. A bar is a 95 % interval between a tenth and \
-         ten times the value; it fades where it goes on or is open.</p>\n"
-    ));
+    out.push_str(&caption(&format!(
+        "{together}Highlighted is the chosen model. A bar is a 95 % interval between a tenth and ten times the value; it \
+         fades where it goes on or is open."
+    )));
+    out.push_str("</details>\n");
 }
 
 /// Whether the candidates were compared with one test.

@@ -8,6 +8,7 @@ mod svg;
 use crate::drawing::escape::html;
 use crate::drawing::numbers::{KM_PER_H_PER_M_PER_S, MILLI, NBSP};
 use crate::findings::{CandidateResult, Ranking, Run, Status, capitalised};
+use crate::frame::caption;
 use crate::words;
 use crumple_artifact::records::SimulationV1;
 use layout::layout;
@@ -43,11 +44,12 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking, status: Opti
         write_one(out, run, number + 1, role, candidate);
         out.push_str(close);
     }
-    out.push_str(
-        "<p class=\"caption\">Under a value its 95 % interval, if the model is true and mass, speed and gain are as \
-         stated. Determined: known within a factor of ten. Dashed and “?”: not determined. Zigzag: spring; box and \
-         piston: damper; small curve: force over deflection.</p>\n</section>\n",
-    );
+    out.push_str(&caption(
+        "Under a value its 95 % interval, if the model is true and mass, speed and gain are as stated. Determined: known \
+         within a factor of ten. Dashed and “?”: not determined. Zigzag: spring; box and piston: damper; small curve: \
+         force over deflection.",
+    ));
+    out.push_str("</section>\n");
 }
 
 /// The candidates to show, with what each is: the recommended and the closest, once where they are one; without either
