@@ -116,8 +116,8 @@ fn without_crush(test: &OneTest<'_>) -> Option<String> {
     let stops = events.time_of_dynamic_crush_s.is_some() && events.dynamic_crush_m.is_some_and(|crush| crush > 0.0);
     (!stops).then(|| {
         format!(
-            "{name}: the vehicle does not stop within its record, so the test has no dynamic crush to fit. Leave it out, \
-             or give a record that lasts until the vehicle stops"
+            "{name}: the vehicle does not stop within its record, so the test has no dynamic crush to fit. Leave it \
+             out, or give a record that lasts until the vehicle stops"
         )
     })
 }
