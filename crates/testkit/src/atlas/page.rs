@@ -269,9 +269,9 @@ fn wrong(atlas: &Atlas) -> String {
             text += &item(
                 "-",
                 &format!(
-                    "`{id}` ({source}) demands {demanded:.0} ft/s, {peak_g} g and a rise of {} ms at most. A triangle of \
-                     these numbers has {rise_s} s · {peak_g} g = {area:.2} ft/s, {:.1} % less: a pulse that meets all \
-                     three needs a longer tail.",
+                    "`{id}` ({source}) demands {demanded:.0} ft/s, {peak_g} g and a rise of {} ms at most. A triangle \
+                     of these numbers has {rise_s} s · {peak_g} g = {area:.2} ft/s, {:.1} % less: a pulse that meets \
+                     all three needs a longer tail.",
                     digits(1e3 * rise_s),
                     100.0 * (1.0 - area / demanded)
                 ),
