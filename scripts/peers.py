@@ -10,6 +10,7 @@ import logging
 import subprocess
 import sys
 import tempfile
+import textwrap
 import time
 import warnings
 from importlib.metadata import version
@@ -403,9 +404,10 @@ def main(program, cars, shared, page):
     cars, shared = Path(cars), Path(shared)
     versions = ", ".join(f"{name} {version(package)}" for package, name in PACKAGES.items())
     ours = subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout.strip()
-    text = HEAD + f"\n{versions}, {ours}. Each time is that of one call on a machine that did other things too.\n"
+    made_by = f"{versions}, {ours}. Each time is that of one call on a machine that did other things too."
     if "debug" in Path(program).parts:
-        text += "Crumple is its development build here, which is slower than a release.\n"
+        made_by += " Crumple is its development build here, which is slower than a release."
+    text = f"{HEAD}\n{textwrap.fill(made_by, 120)}\n"
     with tempfile.TemporaryDirectory() as work:
         ev5 = shared / "data/nhtsa-v10146-camry-frontal/v10146.EV5"
         t, a = np.loadtxt(ev5.with_suffix(".093"), unpack=True)

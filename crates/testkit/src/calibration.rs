@@ -5,8 +5,11 @@ use std::fmt::Write as _;
 use std::ops::Range;
 use std::path::Path;
 
+use crumple_stage::wrapped;
+
+use crate::PAGE_COLUMNS;
 use crate::contact_cover;
-use crate::interval_cover::{CoverError, FAMILIES, cover_of};
+use crate::interval_cover::{CoverError, Draw, FAMILIES, cover_of};
 use crate::records::Errors;
 
 /// Bins of a histogram.
@@ -21,8 +24,57 @@ const ONE_IN_1000: f64 = 3.09;
 const FEWEST: usize = 5 * BINS;
 
 /// What the records of a row have.
-const CONDITIONS: [(&str, Errors); 2] =
-    [("trigger and delay", Errors::Laboratory), ("trigger, delay and ring", Errors::Ringing)];
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Condition {
+    /// Trigger and delay of a filter.
+    Laboratory,
+    /// The same, and a ring.
+    Ringing,
+    /// Contact, braking, soft fronts: those of its kind of record.
+    Events,
+}
+
+impl Condition {
+    /// For people.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Laboratory => "trigger and delay",
+            Self::Ringing => "trigger, delay and ring",
+            Self::Events => "events",
+        }
+    }
+}
+
+/// What the shape of ranks says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shape {
+    /// Too few to say.
+    TooFew,
+    /// As of right posteriors.
+    Uniform,
+    /// A hump.
+    TooWide,
+    /// Higher at both ends.
+    TooNarrow,
+    /// A slope: truths lie high.
+    ValuesTooLow,
+    /// A slope: truths lie low.
+    ValuesTooHigh,
+}
+
+impl Shape {
+    /// For a page; what may mislead stands out.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::TooFew => "too few",
+            Self::Uniform => "uniform",
+            Self::TooWide => "too wide",
+            Self::TooNarrow => "**too narrow**",
+            Self::ValuesTooLow => "**values too low**",
+            Self::ValuesTooHigh => "**values too high**",
+        }
+    }
+}
 
 /// Ranks of one number.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,7 +82,9 @@ pub struct Ranks {
     /// Family of the fitted model, or kind of record.
     pub of: String,
     /// What its records have.
-    pub condition: &'static str,
+    pub condition: Condition,
+    /// Whether it is of a fitted model of one mass with few parameters, as those that a run recommends.
+    pub is_simple: bool,
     /// Parameter or event.
     pub number: String,
     /// From 0 to 1, one a record with a closed interval.
@@ -55,20 +109,20 @@ impl Ranks {
     }
 
     /// What the shape says.
-    pub fn verdict(&self) -> &'static str {
-        let Some(chi_square) = self.chi_square() else { return "too few" };
+    pub fn shape(&self) -> Shape {
+        let Some(chi_square) = self.chi_square() else { return Shape::TooFew };
         if chi_square <= CHI_SQUARE_95 {
-            return "uniform";
+            return Shape::Uniform;
         }
         let (counts, mean) = (self.counts(), self.ranks.iter().sum::<f64>() / self.ranks.len() as f64);
         let outer = (counts[0] + counts[BINS - 1]) as f64 / self.ranks.len() as f64;
         // Three deviations of the mean of that many uniform ranks.
         let one_sided = 3.0 / (12.0 * self.ranks.len() as f64).sqrt();
         match outer {
-            _ if mean > 0.5 + one_sided => "**values too low**",
-            _ if mean < 0.5 - one_sided => "**values too high**",
-            outer if outer < 2.0 / BINS as f64 => "too wide",
-            _ => "**too narrow**",
+            _ if mean > 0.5 + one_sided => Shape::ValuesTooLow,
+            _ if mean < 0.5 - one_sided => Shape::ValuesTooHigh,
+            outer if outer < 2.0 / BINS as f64 => Shape::TooWide,
+            _ => Shape::TooNarrow,
         }
     }
 
@@ -95,11 +149,14 @@ pub fn ranks_of(
 ) -> Result<Vec<Ranks>, CoverError> {
     let mut all = Vec::new();
     for family in FAMILIES.iter().filter(|family| wanted(family.name)) {
-        for (condition, errors) in CONDITIONS {
+        let is_simple = matches!(family.draw, Draw::Kelvin | Draw::Elastoplastic | Draw::Maxwell);
+        for (condition, errors) in [(Condition::Laboratory, Errors::Laboratory), (Condition::Ringing, Errors::Ringing)]
+        {
             let cover = cover_of(family, numbers.clone(), errors, (bin, folder))?;
             let of = |(number, counts): (String, crate::interval_cover::Counts)| Ranks {
                 of: family.name.to_owned(),
                 condition,
+                is_simple,
                 number,
                 ranks: counts.ranks,
             };
@@ -109,7 +166,8 @@ pub fn ranks_of(
     for kind in contact_cover::KINDS.iter().filter(|kind| wanted(kind.name)) {
         let held = contact_cover::cover_of(kind, numbers.clone(), (bin, pipeline), folder, false)?;
         for (number, ranks) in ["dynamic crush", "time of crush", "delta-v"].into_iter().zip(held.ranks) {
-            all.push(Ranks { of: kind.name.to_owned(), condition: "events", number: number.to_owned(), ranks });
+            let (of, number) = (kind.name.to_owned(), number.to_owned());
+            all.push(Ranks { of, condition: Condition::Events, is_simple: false, number, ranks });
         }
     }
     Ok(all)
@@ -143,19 +201,20 @@ that could be anywhere, so the intervals of models of one mass become several ti
 /// The page in Markdown.
 pub fn page(all: &[Ranks], records: usize) -> String {
     let tested = all.iter().filter(|ranks| ranks.chi_square().is_some()).count();
-    let with = |verdict: &str| all.iter().filter(|ranks| ranks.verdict() == verdict).count();
-    let mut page = format!(
-        "{HEAD}\n{records} records a family and condition. The ranks are counted in {BINS} equal bins; chi-square of \
-         four degrees of freedom is below {CHI_SQUARE_95:.2} in 95 % of uniform cases. Of {tested} numbers with at \
-         least {FEWEST} ranks {} are uniform, {} too wide, {} too narrow, {} have values too low and {} too high. \
-         Where all were right, {:.0} would not look uniform by chance.\n",
-        with("uniform"),
-        with("too wide"),
-        with("**too narrow**"),
-        with("**values too low**"),
-        with("**values too high**"),
+    let with = |shape: Shape| all.iter().filter(|ranks| ranks.shape() == shape).count();
+    let counted = format!(
+        "{records} records a family and condition. The ranks are counted in {BINS} equal bins; chi-square of four \
+         degrees of freedom is below {CHI_SQUARE_95:.2} in 95 % of uniform cases. Of {tested} numbers with at least \
+         {FEWEST} ranks {} are uniform, {} too wide, {} too narrow, {} have values too low and {} too high. Where all \
+         were right, {:.0} would not look uniform by chance.",
+        with(Shape::Uniform),
+        with(Shape::TooWide),
+        with(Shape::TooNarrow),
+        with(Shape::ValuesTooLow),
+        with(Shape::ValuesTooHigh),
         0.05 * tested as f64
     );
+    let mut page = format!("{HEAD}\n{}\n", wrapped(&counted, PAGE_COLUMNS).join("\n"));
     page += "\n| of | records with | number | ranks | bins | chi-square | |\n|---|---|---|---|---|---|---|\n";
     for ranks in all {
         let chi_square = ranks.chi_square().map_or_else(|| "-".to_owned(), |chi_square| format!("{chi_square:.1}"));
@@ -164,11 +223,11 @@ pub fn page(all: &[Ranks], records: usize) -> String {
             page,
             "| {} | {} | {} | {} | {} | {chi_square} | {} |",
             ranks.of,
-            ranks.condition,
+            ranks.condition.words(),
             ranks.number,
             ranks.ranks.len(),
             bins.join(" "),
-            ranks.verdict()
+            ranks.shape().words()
         );
     }
     page
@@ -185,7 +244,7 @@ const TITLE: f64 = 26.0;
 pub fn drawing(all: &[Ranks]) -> String {
     let (mut body, mut y) = (String::new(), 0.0);
     for group in all.chunk_by(|a, b| (&a.of, a.condition) == (&b.of, b.condition)) {
-        let title = format!("{}: {}", group[0].of, group[0].condition);
+        let title = format!("{}: {}", group[0].of, group[0].condition.words());
         let _infallible = writeln!(body, "<text x=\"10\" y=\"{:.0}\" class=\"t\">{title}</text>", y + TITLE - 8.0);
         y += TITLE;
         let drawn: Vec<&Ranks> = group.iter().filter(|ranks| !ranks.ranks.is_empty()).collect();
@@ -209,10 +268,10 @@ fn panel(body: &mut String, ranks: &Ranks, [x, y]: [f64; 2]) {
     let counts = ranks.counts();
     let expected = ranks.ranks.len() as f64 / BINS as f64;
     let largest = counts.iter().fold(2.0 * expected, |largest, count| largest.max(*count as f64)).max(1.0);
-    let class = match ranks.verdict() {
-        "too few" => "few",
-        "uniform" | "too wide" => "ok",
-        _ => "bad",
+    let class = match ranks.shape() {
+        Shape::TooFew => "few",
+        Shape::Uniform | Shape::TooWide => "ok",
+        Shape::TooNarrow | Shape::ValuesTooLow | Shape::ValuesTooHigh => "bad",
     };
     let (width, base) = (BARS[0] / BINS as f64, y + 12.0 + BARS[1]);
     let _infallible =
@@ -237,35 +296,39 @@ mod tests {
     use super::*;
 
     fn of(ranks: impl Iterator<Item = f64>) -> Ranks {
-        Ranks { of: "kelvin".to_owned(), condition: "trigger", number: "k".to_owned(), ranks: ranks.collect() }
+        let (of, number) = ("kelvin".to_owned(), "k".to_owned());
+        Ranks { of, condition: Condition::Laboratory, is_simple: true, number, ranks: ranks.collect() }
     }
 
     #[test]
     fn shapes_of_ranks_are_told_apart() {
         let grid = || (0..100).map(|k| (f64::from(k) + 0.5) / 100.0);
         let uniform = of(grid());
-        assert_eq!((uniform.counts(), uniform.chi_square(), uniform.verdict()), ([20; BINS], Some(0.0), "uniform"));
+        assert_eq!((uniform.counts(), uniform.chi_square(), uniform.shape()), ([20; BINS], Some(0.0), Shape::Uniform));
         let narrow = of(grid().map(|u| if u < 0.5 { 0.5 * u } else { 0.5 + 0.5 * u }));
-        assert_eq!((narrow.verdict(), narrow.held(), narrow.misleads()), ("**too narrow**", 90, false));
+        assert_eq!((narrow.shape(), narrow.held(), narrow.misleads()), (Shape::TooNarrow, 90, false));
         let narrower = of(grid().map(|u| if u < 0.5 { 0.18 * u } else { 0.82 + 0.18 * u }));
         // Of each half those from 0.025/0.18 = 0.139 on: 36 of 50.
         assert_eq!((narrower.held(), narrower.misleads()), (72, true));
         let wide = of(grid().map(|u| 0.35 + 0.3 * u));
-        assert_eq!((wide.verdict(), wide.misleads()), ("too wide", false));
-        assert_eq!(of(grid().map(f64::sqrt)).verdict(), "**values too low**");
-        assert_eq!(of(grid().map(|u| u * u)).verdict(), "**values too high**");
+        assert_eq!((wide.shape(), wide.misleads()), (Shape::TooWide, false));
+        assert_eq!(of(grid().map(f64::sqrt)).shape(), Shape::ValuesTooLow);
+        assert_eq!(of(grid().map(|u| u * u)).shape(), Shape::ValuesTooHigh);
         let few = of(grid().take(FEWEST - 1));
-        assert_eq!((few.verdict(), few.misleads()), ("too few", false));
+        assert_eq!((few.shape(), few.misleads()), (Shape::TooFew, false));
         // Ends count.
         assert_eq!(of([0.0, 1.0].into_iter()).counts(), [1, 0, 0, 0, 1]);
     }
 
     #[test]
     fn page_and_drawing_hold_every_number() {
-        let all = [of((0..50).map(|k| f64::from(k) / 50.0)), Ranks { condition: "ring", ..of([0.5].into_iter()) }];
+        let all = [
+            of((0..50).map(|k| f64::from(k) / 50.0)),
+            Ranks { condition: Condition::Ringing, ..of([0.5].into_iter()) },
+        ];
         let page = page(&all, 50);
-        assert!(page.contains("| kelvin | trigger | k | 50 | 10 10 10 10 10 | 0.0 | uniform |"), "{page}");
-        assert!(page.contains("| kelvin | ring | k | 1 | 0 0 1 0 0 | - | too few |"), "{page}");
+        assert!(page.contains("| kelvin | trigger and delay | k | 50 | 10 10 10 10 10 | 0.0 | uniform |"), "{page}");
+        assert!(page.contains("| kelvin | trigger, delay and ring | k | 1 | 0 0 1 0 0 | - | too few |"), "{page}");
         let drawn = drawing(&all);
         assert_eq!((drawn.matches("<rect class").count(), drawn.matches("<line").count()), (2 * BINS, 2), "{drawn}");
     }

@@ -19,6 +19,9 @@ mod random;
 mod records;
 pub mod truth;
 
+/// Characters in a line of a page, as in all of docs/.
+const PAGE_COLUMNS: usize = 120;
+
 pub use places::{shared, workspace};
 pub use random::{uniform, white_noise};
 pub use records::{

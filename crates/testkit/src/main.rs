@@ -7,7 +7,7 @@ use clap::Parser;
 use crumple_testkit::atlas::{self, Atlas, Found};
 use crumple_testkit::benchmark as performance;
 use crumple_testkit::bytes::{Difference, compare, write_digests};
-use crumple_testkit::calibration::{self, Ranks};
+use crumple_testkit::calibration::{self, Condition, Ranks};
 use crumple_testkit::contact_cover;
 use crumple_testkit::fixture::fixtures;
 use crumple_testkit::fuzz::{Campaign, Tally, run_campaign, run_simulations};
@@ -355,12 +355,9 @@ fn calibrate(bin: &Path, records: usize, print: bool, wanted: &[String]) -> Resu
         std::fs::write(workspace().join("docs/calibration.md"), page)?;
         std::fs::write(workspace().join("docs/images/calibration.svg"), calibration::drawing(&all))?;
     }
-    let is_simple = |ranks: &&Ranks| {
-        let of_one_mass = ["kelvin", "elastoplastic", "maxwell"].iter().any(|name| ranks.of.starts_with(name));
-        of_one_mass && !ranks.condition.contains("ring")
-    };
-    let misleading: Vec<&Ranks> = all.iter().filter(is_simple).filter(|ranks| ranks.misleads()).collect();
-    misleading.iter().for_each(|one| println!("misleads: {} of {} ({})", one.number, one.of, one.condition));
+    let is_judged = |ranks: &&Ranks| ranks.is_simple && ranks.condition == Condition::Laboratory;
+    let misleading: Vec<&Ranks> = all.iter().filter(is_judged).filter(|ranks| ranks.misleads()).collect();
+    misleading.iter().for_each(|one| println!("misleads: {} of {} ({})", one.number, one.of, one.condition.words()));
     Ok(misleading.is_empty())
 }
 

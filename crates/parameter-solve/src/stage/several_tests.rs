@@ -28,9 +28,6 @@ pub fn from_several(settings: &StageSettings, tests: &[(String, Inputs)], out: &
     refuse_what_is_of_one_test(settings)?;
     let tests =
         tests.iter().map(|(name, input)| read(settings, name, input, out)).collect::<anyhow::Result<Vec<_>>>()?;
-    if let Some(reason) = tests.iter().find_map(without_crush) {
-        return Ok(Outcome::NoAcceptableResult(reason));
-    }
     let sensors: Vec<Vec<Sensor<'_>>> = tests.iter().map(|test| sensors_of(&test.record)).collect();
     let names: Vec<String> = tests.iter().map(|test| format!("{}:{}", test.name, test.events.channel)).collect();
     let joint: Vec<JointTest<'_>> = tests
@@ -47,6 +44,9 @@ pub fn from_several(settings: &StageSettings, tests: &[(String, Inputs)], out: &
     let record_of_tests = tests_record(&tests);
     out.put("/test", &joint_test(&tests, reference))?;
     out.put("/tests", &record_of_tests)?;
+    if let Some(reason) = tests.iter().find_map(without_crush) {
+        return Ok(Outcome::NoAcceptableResult(reason));
+    }
     warn_of_the_rate(&record_of_tests, out);
     let fitted = fit_together(&joint, &settings.solve, out.notes());
     let mut candidates = fitted.refuse_with_hint(see(&["models", "fit-from", "fit-to"]))?;
@@ -114,7 +114,12 @@ fn without_crush(test: &OneTest<'_>) -> Option<String> {
         return Some(format!("{name}: {reason}"));
     }
     let stops = events.time_of_dynamic_crush_s.is_some() && events.dynamic_crush_m.is_some_and(|crush| crush > 0.0);
-    (!stops).then(|| format!("{name}: the velocity of the record never reaches zero; leave this test out"))
+    (!stops).then(|| {
+        format!(
+            "{name}: the vehicle does not stop within its record, so the test has no dynamic crush to fit. Leave it \
+             out, or give a record that lasts until the vehicle stops"
+        )
+    })
 }
 
 /// What the joint model is of: mass and speed of the test with the deepest crush.

@@ -59,7 +59,7 @@ pub(super) fn write(out: &mut String, run: &Run) {
         table(out, &rows);
         out.push_str(
             "<p class=\"caption\">Point at a name for its definition, or the reason why a value is absent; point at an \
-             interval for how it was found.</p>\n</div>\n",
+             interval for how it was found. How often intervals hold the truth: docs/calibration.md.</p>\n</div>\n",
         );
     }
     out.push_str("</div>\n");

@@ -73,6 +73,7 @@ pub fn gather(inputs: &Inputs, pipeline: Option<&Pipeline>) -> anyhow::Result<Ru
         && run.measured.displacement.is_none()
         && run.events.is_none()
         && run.test.channels.is_empty()
+        && run.joint.is_none()
         && run.models.is_empty()
         && run.candidates.is_empty();
     if nothing {

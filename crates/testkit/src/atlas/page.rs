@@ -3,6 +3,9 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
+use crumple_stage::wrapped;
+
+use crate::PAGE_COLUMNS;
 use crate::atlas::readings::READINGS;
 use crate::atlas::{Atlas, Figure, Found, Pulse};
 
@@ -20,8 +23,10 @@ row by the programs: a real car (NHTSA 10146, a Camry at 57 km/h), a real small 
 pulses typed in from regulations. It needs the reference records (`CRUMPLE_SHARED`).
 
 One car hits if it lies among the cars, a median if it lies in the interval of the median, an interval if it holds the
-figure. *Seen* says how the figure was read: in the text of its source, in the abstract, quoted by another work,
-computed from published data, or from memory. A figure from memory tests arithmetic and says nothing about a standard.
+figure; where that does not fit, *counts* says what does. Letters are notes below the tables, numbers in brackets are
+[sources](#sources). *Seen* says how the figure was read: in the text of its source, in the abstract, quoted by another
+work, computed from published data, or from memory. A figure from memory tests arithmetic and says nothing about a
+standard.
 ";
 
 /// Why a row misses, or what is to be known of it.
@@ -41,50 +46,103 @@ fn pulse_reason(found: &Found) -> Option<&'static str> {
 pub fn page(atlas: &Atlas, found: &[Found]) -> String {
     let hits = found.iter().filter(|one| one.hit).count();
     let mut page = format!("{HEAD}\n{} rows run: {hits} hits, {} misses.\n", found.len(), found.len() - hits);
-    let sources: Vec<&str> = sources(atlas, found);
-    page += "\n## Tests\n\n| published | value | seen | of | Crumple | | why |\n|---|---|---|---|---|---|---|\n";
+    let (sources, mut notes) = (sources(atlas, found), Notes::default());
+    page +=
+        "\n## Tests\n\n| published | value | counts | seen | of | Crumple | | |\n|---|---|---|---|---|---|---|---|\n";
+    let mut before = "";
     for one in found {
         let Some(figure) = atlas.figure(&one.figure) else { continue };
-        let place = sources.iter().position(|source| *source == figure.source).unwrap_or_default() + 1;
         let tests = figure.n.map_or_else(String::new, |n| format!(", N {n}"));
-        let _infallible = writeln!(
-            page,
-            "| {} | {} | {}{tests} [{place}] | {} | {} | {} | {} |",
-            figure.quantity,
-            figure.published(),
-            figure.certainty,
-            one.of,
-            figure.given(one),
-            mark(one.hit),
-            reason(one)
-        );
+        let published = match figure.id == before {
+            // Said in the row above.
+            true => "| | | |".to_owned(),
+            false => format!(
+                "{} | {} | {} | {}{tests} {} |",
+                figure.quantity,
+                figure.published(),
+                figure.counts(),
+                figure.certainty,
+                place(&sources, &figure.source)
+            ),
+        };
+        let letters = notes.letters([figure.accepted_by.as_deref().unwrap_or_default(), reason(one)]);
+        let _infallible =
+            writeln!(page, "| {published} {} | {} | {} | {letters} |", one.of, figure.given(one), mark(one.hit));
+        before = &figure.id;
     }
-    page += &pulses(atlas, found);
+    page += &notes.list();
+    page += &pulses(atlas, found, &sources);
     page += &wrong(atlas);
     page += "\n## Figures that nothing at hand can be compared with\n\n";
     for figure in &atlas.figures {
         if let Some(why) = &figure.not_run {
             let published = figure.published();
             let published = if published == "-" { String::new() } else { format!(" {published}") };
-            let _infallible = writeln!(page, "- {}{published} ({}): {why}.", figure.quantity, figure.source);
+            page += &item("-", &format!("{}{published} {}: {why}.", figure.quantity, place(&sources, &figure.source)));
         }
     }
     page += "\n## Sources\n\n";
-    for (place, source) in sources.iter().enumerate() {
-        let _infallible = writeln!(page, "{}. {source}", place + 1);
+    for (number, source) in (1..).zip(&sources) {
+        let _infallible = writeln!(page, "{number}. {source}");
     }
     page
+}
+
+/// An item of a list, wrapped.
+fn item(mark: &str, text: &str) -> String {
+    let indent = " ".repeat(mark.len() + 1);
+    format!("{mark} {}\n", wrapped(text, PAGE_COLUMNS - indent.len()).join(&format!("\n{indent}")))
+}
+
+/// Sentences that a table refers to by letters, each once.
+#[derive(Debug, Default)]
+struct Notes<'a>(Vec<&'a str>);
+
+impl<'a> Notes<'a> {
+    /// The letters of these sentences; nothing of empty ones.
+    fn letters(&mut self, texts: [&'a str; 2]) -> String {
+        let letter = |text: &'a str| {
+            let known = self.0.iter().position(|own| *own == text);
+            let place = known.unwrap_or_else(|| {
+                self.0.push(text);
+                self.0.len() - 1
+            });
+            letter(place)
+        };
+        texts.into_iter().filter(|text| !text.is_empty()).map(letter).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The sentences by their letters.
+    fn list(&self) -> String {
+        let all = self.0.iter().enumerate();
+        let items: String = all.map(|(place, text)| item("-", &format!("{}: {text}", letter(place)))).collect();
+        format!("\n{items}")
+    }
+}
+
+/// `a` to `z`, then `aa`.
+fn letter(place: usize) -> String {
+    let last = char::from(b'a' + (place % 26) as u8);
+    if place < 26 { last.to_string() } else { letter(place / 26 - 1) + &last.to_string() }
 }
 
 fn mark(hit: bool) -> &'static str {
     if hit { "hit" } else { "**miss**" }
 }
 
-/// Sources of the rows that run, in their order.
+/// Sources in the order of the page: of the rows that run, of pulses, of what is not run.
 fn sources<'a>(atlas: &'a Atlas, found: &[Found]) -> Vec<&'a str> {
     let mut seen = BTreeSet::new();
     let of_found = found.iter().filter_map(|one| Some(atlas.figure(&one.figure)?.source.as_str()));
-    of_found.filter(|source| seen.insert(*source)).collect()
+    let of_pulses = atlas.pulses.iter().map(|pulse| pulse.source.as_str());
+    let not_run = atlas.figures.iter().filter(|figure| figure.not_run.is_some()).map(|figure| figure.source.as_str());
+    of_found.chain(of_pulses).chain(not_run).filter(|source| seen.insert(*source)).collect()
+}
+
+/// The number of a source, as the page has it.
+fn place(sources: &[&str], source: &str) -> String {
+    let place = sources.iter().position(|own| *own == source).unwrap_or_default() + 1;
+    format!("[{place}]")
 }
 
 /// Three digits, or what a whole number has.
@@ -115,7 +173,7 @@ impl Figure {
         }
     }
 
-    /// The figure, its spread and what counts.
+    /// The figure and its spread.
     fn published(&self) -> String {
         let (factor, unit) = self.shown();
         let digits = |value: f64| digits(factor * value);
@@ -126,20 +184,23 @@ impl Figure {
             (None, None) => None,
         };
         let spread = self.spread.as_ref().map_or_else(String::new, |spread| format!(", {spread}"));
-        let value = match (self.value, range) {
+        match (self.value, range) {
             (Some(value), Some(range)) => format!("{}{unit} ({range}{spread})", digits(value)),
             (Some(value), None) if self.spread.is_some() => format!("{}{unit} ({})", digits(value), &spread[2..]),
             (Some(value), None) => format!("{}{unit}", digits(value)),
             (None, Some(range)) => format!("{range}{unit}{spread}"),
-            (None, None) => return "-".to_owned(),
-        };
+            (None, None) => "-".to_owned(),
+        }
+    }
+
+    /// What counts as a hit, where the spread does not say it.
+    fn counts(&self) -> String {
+        let digits = |value: f64| digits(self.shown().0 * value);
         match self.accept {
-            Some([low, high]) => {
-                let end = |end: Option<f64>, open: &str| end.map_or_else(|| open.to_owned(), digits);
-                let by = self.accepted_by.as_ref().map_or_else(String::new, |by| format!(", {by}"));
-                format!("{value}; counts: {} to {}{by}", end(low, "any"), end(high, "any"))
-            }
-            None => value,
+            Some([Some(low), Some(high)]) => format!("{} to {}", digits(low), digits(high)),
+            Some([Some(low), None]) => format!("from {}", digits(low)),
+            Some([None, Some(high)]) => format!("up to {}", digits(high)),
+            Some([None, None]) | None => String::new(),
         }
     }
 
@@ -153,15 +214,19 @@ impl Figure {
     }
 }
 
-fn pulses(atlas: &Atlas, found: &[Found]) -> String {
-    let mut table = "\n## Pulses of regulations\n\n\
-        Corners as a table at 10 kHz with their own change of velocity as impact speed, through `ingest`, `filter` \
-        (CFC 60) and `integrate`. Left of the arrow stands what numpy gives of the same corners, once. ✓: the same \
-        to three digits. A tip of 16.0 g reads 15.84 g behind CFC 60: a limit of \"at least 16 g\" must name the \
-        class.\n\n\
-        | pulse | corners seen in | delta-v, m/s | peak, g | stroke, mm | OLC, g | misses |\n\
-        |---|---|---|---|---|---|---|\n"
-        .to_owned();
+const PULSES: &str = "
+## Pulses of regulations
+
+Corners as a table at 10 kHz with their own change of velocity as impact speed, through `ingest`, `filter` (CFC 60) and
+`integrate`. Left of the arrow stands what numpy gives of the same corners, once. ✓: the same to three digits. A tip of
+16.0 g reads 15.84 g behind CFC 60: a limit of \"at least 16 g\" must name the class.
+
+| pulse | corners seen in | delta-v, m/s | peak, g | stroke, mm | OLC, g | |
+|---|---|---|---|---|---|---|
+";
+
+fn pulses(atlas: &Atlas, found: &[Found], sources: &[&str]) -> String {
+    let (mut table, mut notes) = (PULSES.to_owned(), Notes::default());
     for pulse in &atlas.pulses {
         let cell = |of: &str, expected: Option<f64>, factor: f64| {
             let one = found.iter().find(|one| one.figure == pulse.id && one.of == of);
@@ -174,23 +239,22 @@ fn pulses(atlas: &Atlas, found: &[Found]) -> String {
             }
         };
         let expected = pulse.expected;
-        let misses = found.iter().filter(|one| one.figure == pulse.id && !one.hit);
-        let reasons: BTreeSet<&str> = misses.map(reason).collect();
+        let why = found.iter().find(|one| one.figure == pulse.id && !one.hit).map(reason).unwrap_or_default();
+        let letters = notes.letters(["", why]);
         let _infallible = writeln!(
             table,
-            "| `{}`{} | {}: {} | {} | {} | {} | {} | {} |",
+            "| `{}`{} | {} {} | {} | {} | {} | {} | {letters} |",
             pulse.id,
             if pulse.conditions.is_empty() { String::new() } else { format!(", {}", pulse.conditions) },
             pulse.certainty,
-            pulse.source,
+            place(sources, &pulse.source),
             cell("delta-v", Some(expected.delta_v_m_per_s), 1.0),
             cell("peak", Some(expected.peak_g), 1.0),
             cell("stroke", expected.stroke_m, 1e3),
-            cell("OLC", expected.olc_g, 1.0),
-            reasons.into_iter().collect::<Vec<_>>().join("; ")
+            cell("OLC", expected.olc_g, 1.0)
         );
     }
-    table
+    table + &notes.list()
 }
 
 /// Figures that contradict what stands beside them in their own source.
@@ -202,13 +266,15 @@ fn wrong(atlas: &Atlas) -> String {
         };
         let area = pulse.area_m_per_s() / FT_M;
         if let (true, Some([_, [rise_s, peak_g], _])) = (area < demanded * (1.0 - SHORT), points_s_g.first_chunk()) {
-            let _infallible = writeln!(
-                text,
-                "- `{id}` ({source}) demands {demanded:.0} ft/s, {peak_g} g and a rise of {} ms at most. A triangle of \
-                 these numbers has {rise_s} s · {peak_g} g = {area:.2} ft/s, {:.1} % less: a pulse that meets all \
-                 three needs a longer tail.",
-                digits(1e3 * rise_s),
-                100.0 * (1.0 - area / demanded)
+            text += &item(
+                "-",
+                &format!(
+                    "`{id}` ({source}) demands {demanded:.0} ft/s, {peak_g} g and a rise of {} ms at most. A triangle \
+                     of these numbers has {rise_s} s · {peak_g} g = {area:.2} ft/s, {:.1} % less: a pulse that meets \
+                     all three needs a longer tail.",
+                    digits(1e3 * rise_s),
+                    100.0 * (1.0 - area / demanded)
+                ),
             );
         }
     }

@@ -87,7 +87,7 @@ pub(crate) const READINGS: &[Reading] = &[
     ),
     row(
         "crash-limits",
-        "four typed tests of a front, one car like them",
+        "four typed tests, one car like them",
         |runs| {
             let vehicle = &runs.damage[2]["vehicle"]["damage"];
             let [low, high] = ends(&vehicle["one_vehicle_interval_m_per_s"])?;

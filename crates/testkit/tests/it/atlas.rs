@@ -14,6 +14,9 @@ fn the_page_is_that_of_what_was_found_and_hides_no_miss() {
     let (atlas, found) = committed();
     let text = std::fs::read_to_string(workspace().join("docs/atlas.md")).unwrap();
     assert_eq!(text, page(&atlas, &found), "`just atlas` writes docs/atlas.md");
+    // A row has short cells: a screen of a laptop shows so many characters.
+    let long: Vec<&str> = text.lines().filter(|line| line.chars().count() > 160).collect();
+    assert_eq!(long, Vec::<&str>::new());
     assert!(found.len() >= 30, "{} rows run", found.len());
     assert_eq!(misses_without_reason(&found), Vec::<&Found>::new());
     // Every figure is run, or says why it is not; none does both.

@@ -206,6 +206,21 @@ fn one_record_is_refused_and_a_record_that_fails_is_named_without_a_joint_result
     assert!(!folder.path().join("joint").exists());
 }
 
+#[test]
+fn a_test_that_ends_before_the_stop_is_named_on_the_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = write_record(folder.path(), "whole", 1400.0, 56.0);
+    let text = std::fs::read_to_string(&whole).unwrap();
+    let cut = folder.path().join("cut.csv");
+    // 50 ms before contact and 30 ms after it, behind five lines of head.
+    std::fs::write(&cut, text.lines().take(805).collect::<Vec<_>>().join("\n")).unwrap();
+    let output = together(folder.path(), &[whole, cut], &[]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(4), "{said}");
+    assert!(said.contains("cut: the vehicle does not stop within its record"), "{said}");
+    assert!(page(folder.path()).contains("cut: the vehicle does not stop within its record"));
+}
+
 fn fixture(name: &str) -> PathBuf {
     workspace().join("fixtures").join(name).join("crash.csv")
 }

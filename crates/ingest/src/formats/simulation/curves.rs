@@ -35,7 +35,7 @@ fn pair(line: &str) -> Option<(f64, f64)> {
 /// Reads all curves.
 ///
 /// # Errors
-/// A line that is no pair, a curve whose labels name nothing that is known.
+/// A line that is no pair. A curve whose labels name nothing that is known is a record of the whole model.
 pub fn read(file: &str, bytes: &[u8]) -> Result<Simulation> {
     let text = without_mark(bytes);
     let mut lines = Lines::new(file, &text);

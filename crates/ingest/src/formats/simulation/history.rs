@@ -1,5 +1,7 @@
 //! Time histories of a simulation, whatever solver wrote them: nodes, walls, contacts, parts, the whole model.
 
+use std::collections::BTreeMap;
+
 use crumple_signal::{Notes, QuantityKind};
 
 use crate::formats::simulation::remarks::{BlownUp, NotNumbers};
@@ -80,10 +82,10 @@ impl Member {
 
     /// Leaves out states that a restart wrote again (the later one counts), columns that are not whole, and what is no
     /// number.
-    fn finish(&mut self, notes: &mut Notes) {
+    fn finish(&mut self) -> Option<Bad> {
         let states = self.times.len();
         self.columns.retain(|(_, values)| values.len() == states);
-        self.leave_out_what_is_no_number(notes);
+        let bad = self.leave_out_what_is_no_number();
         let states = self.times.len();
         let mut kept: Vec<usize> = Vec::new();
         for k in (0..states).rev() {
@@ -97,29 +99,51 @@ impl Member {
             self.columns.iter_mut().for_each(|(_, values)| pick(values));
             pick(&mut self.times);
         }
+        bad
     }
-}
 
-impl Member {
     /// Ends in front of a blow-up, of which the last state has no number; else without the columns that hold such.
-    fn leave_out_what_is_no_number(&mut self, notes: &mut Notes) {
+    fn leave_out_what_is_no_number(&mut self) -> Option<Bad> {
         let first = |values: &[f64]| values.iter().position(|x| !x.is_finite());
         let is_last = |values: &[f64]| values.last().is_some_and(|x| !x.is_finite());
         let blows_up = !self.columns.is_empty() && self.columns.iter().all(|(_, values)| is_last(values));
-        let of = self.name();
         if blows_up {
             let end = self.columns.iter().filter_map(|(_, values)| first(values)).min().unwrap_or(0);
-            notes.push(BlownUp { of, from: self.times[end] });
+            let from = self.times[end];
             self.times.truncate(end);
             self.columns.iter_mut().for_each(|(_, values)| values.truncate(end));
-            return;
+            return Some(Bad::From(from));
         }
-        let bad: Vec<String> =
-            self.columns.iter().filter(|(_, values)| first(values).is_some()).map(|(name, _)| name.clone()).collect();
-        if !bad.is_empty() {
-            self.columns.retain(|(name, _)| !bad.contains(name));
-            notes.push(NotNumbers { of, columns: list(&bad) });
+        let (good, bad): (Vec<_>, Vec<_>) =
+            std::mem::take(&mut self.columns).into_iter().partition(|(_, values)| first(values).is_none());
+        self.columns = good;
+        (!bad.is_empty()).then(|| Bad::Columns(bad.into_iter().map(|(name, _)| name).collect()))
+    }
+}
+
+/// What of a member is no number.
+enum Bad {
+    /// All of it from this time on.
+    From(f64),
+    /// These columns.
+    Columns(Vec<String>),
+}
+
+/// Says it once of all members: where the run blew up, which columns are left out.
+fn say_what_is_no_number(all: &[(String, Bad)], notes: &mut Notes) {
+    let blown = all.iter().filter_map(|(of, bad)| if let Bad::From(from) = bad { Some((of, *from)) } else { None });
+    let (of, from): (Vec<String>, Vec<f64>) = blown.map(|(of, from)| (of.clone(), from)).unzip();
+    if let Some(from) = from.into_iter().reduce(f64::min) {
+        notes.push(BlownUp { count: of.len(), of: list(&of), from });
+    }
+    let mut by_columns: BTreeMap<&[String], Vec<&str>> = BTreeMap::new();
+    for (of, bad) in all {
+        if let Bad::Columns(columns) = bad {
+            by_columns.entry(columns).or_default().push(of);
         }
+    }
+    for (columns, of) in by_columns {
+        notes.push(NotNumbers { count: of.len(), of: list(&of), columns: list(columns) });
     }
 }
 
@@ -159,7 +183,9 @@ impl Simulation {
     /// The members in order, without states that a restart wrote again.
     pub fn finished(mut self) -> Self {
         let Self { members, notes, .. } = &mut self;
-        members.iter_mut().for_each(|member| member.finish(notes));
+        let bad: Vec<(String, Bad)> =
+            members.iter_mut().filter_map(|member| Some((member.name(), member.finish()?))).collect();
+        say_what_is_no_number(&bad, notes);
         // Stable: as in the file.
         self.members.sort_by_key(|member| member.kind);
         self
@@ -196,6 +222,8 @@ pub fn integral(times: &[f64], values: &[f64]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    use crumple_signal::{Note, Value};
+
     use super::*;
 
     #[test]
@@ -214,19 +242,31 @@ mod tests {
 
     #[test]
     fn a_blow_up_ends_the_record_and_a_bad_column_is_left_out() {
-        let member = |rows: &[(f64, f64, f64)]| {
-            let mut member = Member::new(Kind::Node, "1", "");
-            for (time, x, y) in rows {
-                member.push(*time, [("x_velocity", *x), ("y_velocity", *y)].into_iter());
-            }
-            Simulation { members: vec![member], ..Simulation::default() }.finished()
+        let finished = |rows: &[(f64, f64, f64)]| {
+            let member = |id: &str| {
+                let mut member = Member::new(Kind::Node, id, "");
+                for (time, x, y) in rows {
+                    member.push(*time, [("x_velocity", *x), ("y_velocity", *y)].into_iter());
+                }
+                member
+            };
+            Simulation { members: vec![member("1"), member("2")], ..Simulation::default() }.finished()
         };
-        let blown = member(&[(0.0, 1.0, 0.0), (1.0, f64::NAN, 0.0), (2.0, f64::INFINITY, f64::NAN)]);
+        // One remark of all nodes.
+        let said = |simulation: &Simulation| {
+            let one = |note: &Note| (note.kind.map(|kind| kind.code), note.values.clone());
+            simulation.notes.iter().map(one).collect::<Vec<_>>()
+        };
+        let text = |text: &str| Value::Text(text.to_owned());
+        let blown = finished(&[(0.0, 1.0, 0.0), (1.0, f64::NAN, 0.0), (2.0, f64::INFINITY, f64::NAN)]);
         assert_eq!((blown.members[0].times.as_slice(), blown.members[0].columns.len()), (&[0.0][..], 2));
-        assert!(blown.notes.to_texts()[0].contains("node.1 has no numbers from 1 on"));
-        let bad = member(&[(0.0, 1.0, f64::NAN), (1.0, 2.0, 0.0), (2.0, 3.0, 0.0)]);
-        assert_eq!(bad.members[0].columns, [("x_velocity".to_owned(), vec![1.0, 2.0, 3.0])]);
-        assert!(bad.notes.to_texts()[0].contains("y_velocity of node.1 hold what is no number"));
+        let values = vec![("count", Value::Number(2.0)), ("of", text("node.1, node.2")), ("from", Value::Number(1.0))];
+        assert_eq!(said(&blown), [(Some("CR183"), values)]);
+        let bad = finished(&[(0.0, 1.0, f64::NAN), (1.0, 2.0, 0.0), (2.0, 3.0, 0.0)]);
+        assert_eq!(bad.members[1].columns, [("x_velocity".to_owned(), vec![1.0, 2.0, 3.0])]);
+        let columns = ("columns", text("y_velocity"));
+        let values = vec![("count", Value::Number(2.0)), ("of", text("node.1, node.2")), columns];
+        assert_eq!(said(&bad), [(Some("CR184"), values)]);
     }
 
     #[test]

@@ -127,21 +127,27 @@ remarks! {
     says format!("force or impulse, which cannot be told, for {walls}: left out");
 
     /// The run blew up.
-    CR183 BlownUp { of: String, from: f64 }
+    CR183 BlownUp { count: usize, of: String, from: f64 }
     bears on (About::Record, Weight::Marked)
-    decided "The last state holds no number, but NaN, Infinity or fields of stars. The record ends in front of the \
-             first of them."
+    decided "The last state of a node, wall or part holds no number, but NaN, Infinity or fields of stars. Its record \
+             ends in front of the first of them."
     means "The solver lost the solution: a run that blew up is no result, also before that time."
     remedy "look at the messages of the solver"
-    says format!("{of} has no numbers from {from} on, in the units of the file: the run blew up");
+    says {
+        let first = if *count > 1 { ", the first of them" } else { "" };
+        format!("no numbers from {from} on (units of the file{first}) in {of}: the run blew up")
+    };
 
     /// Columns hold what is no number.
-    CR184 NotNumbers { of: String, columns: String }
+    CR184 NotNumbers { count: usize, of: String, columns: String }
     bears on (About::Record, Weight::Slight)
     decided "NaN, Infinity and fields of stars are no numbers. Columns that hold one are left out."
     means "The other columns are as the solver wrote them."
     remedy "give binout: in a text a field of stars is too narrow for its number"
-    says format!("{columns} of {of} hold what is no number: left out");
+    says {
+        let members = if *count > 1 { format!(" ({count})") } else { String::new() };
+        format!("{columns} of {of}{members} left out: not every value is a number")
+    };
 
     /// Columns without names were taken by their place.
     CR185 NamedByPlace { first: usize, last: usize }

@@ -45,9 +45,9 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking, status: Opti
         out.push_str(close);
     }
     out.push_str(&caption(
-        "Under a value its 95 % interval, if the model is true and mass, speed and gain are as stated. Determined: known \
-         within a factor of ten. Dashed and “?”: not determined. Zigzag: spring; box and piston: damper; small curve: \
-         force over deflection.",
+        "Under a value its 95 % interval, if the model is true and mass, speed and gain are as stated. How often such \
+         intervals hold the truth: docs/calibration.md. Determined: known within a factor of ten. Dashed and “?”: not \
+         determined. Zigzag: spring; box and piston: damper; small curve: force over deflection.",
     ));
     out.push_str("</section>\n");
 }
