@@ -72,6 +72,7 @@ impl Walk<'_> {
         self.step.entered.push(Entry { link, before, after });
         self.step.branches[link] = after;
         self.step.links[link].law = law.force(&after);
+        self.step.own[link] = law.as_own().and_then(|law| law.series(&after));
         self.gather_guards();
     }
 
