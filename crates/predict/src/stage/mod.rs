@@ -4,6 +4,7 @@ mod inputs;
 mod occupant;
 mod options;
 mod partner;
+mod plan;
 mod records;
 mod table;
 
@@ -15,6 +16,7 @@ use crumple_stage::records::{CandidateV1, RecommendationV1};
 use crumple_stage::{InputDigest, Inputs, Loaded, Outcome, Output, Refused, Stage, option};
 
 use crate::stage::inputs::{OtherTest, beside_in_words, candidates, named, read_other_test, tested};
+pub use crate::stage::plan::{PlanOptions, plan};
 use crate::stage::occupant::rider;
 use crate::stage::options::{Options, Settings};
 use crate::stage::partner::ReadPartner;

@@ -282,7 +282,11 @@ fn linear(name: &str, knot: &str, last: usize, at: &str, beyond: &str) -> String
 
 #[cfg(test)]
 mod tests {
-    use crumple_lumped::{Damper, PiecewiseLinear, PlasticSpring, SeriesSpringDamper, Spring};
+    use std::sync::Arc;
+
+    use crumple_lumped::{
+        Damper, OwnLaw, OwnModel, PiecewiseLinear, PlasticSpring, SeriesSpringDamper, Spring,
+    };
 
     use super::*;
 
@@ -301,10 +305,30 @@ mod tests {
         ModelText::of(&Structure::row(&[300.0, 1100.0], fronts).unwrap(), 15.0)
     }
 
+    /// A law of one's own that goes back along itself, along a line, and rigidly.
+    fn own_forces() -> ModelText {
+        let law = "[[element]]\nforce = \"k*x + c*v*abs(x)\"\n[[element]]\nforce = \"k*x^3\"\nunloading = \"9*c\"\n\
+                   [[element]]\nforce = \"c*tanh(x)\"\nunloading = \"rigid\"\n\
+                   [parameters]\nk = { unit = \"N/m\", value = 3e5 }\nc = { unit = \"N\", value = 1e4 }\n";
+        let model = OwnModel::at_start(Arc::new(OwnLaw::read(law).unwrap()), 1200.0).unwrap();
+        ModelText::of(&model.structure().unwrap(), 15.0)
+    }
+
+    #[test]
+    fn a_law_of_ones_own_is_an_equation() {
+        let text = own_forces();
+        let of_first = "f1 = (p1_2 * u1 + p1_1 * w1 * (if u1 >= 0 then u1 else (0.0 - u1)));";
+        assert!(text.equations.iter().any(|line| line == of_first), "{:#?}", text.equations);
+    }
+
     /// As many equations as unknowns (section 4.7 of the specification), and no parameter that nothing reads.
     #[test]
     fn the_model_is_balanced_and_reads_each_parameter() {
-        let text = every_element();
+        balanced_and_read(&every_element());
+        balanced_and_read(&own_forces());
+    }
+
+    fn balanced_and_read(text: &ModelText) {
         let equations = text.equations.iter().filter(|line| line.contains(" = ")).count();
         assert_eq!(text.variables.len(), equations);
         let body = text.equations.join("\n");
