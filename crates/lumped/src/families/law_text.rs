@@ -233,8 +233,8 @@ fn free(
     if !rises || start.is_some_and(|start| !(start >= lower && start <= upper)) {
         let start = start.map_or("none".to_owned(), |start| start.to_string());
         let problem = format!(
-            "found lower {lower}, start {start}, upper {upper}, expected 0 < lower <= start <= upper and lower < upper: \
-             write a minus sign into the force"
+            "found lower {lower}, start {start}, upper {upper}, expected 0 < lower <= start <= upper: write a minus \
+             sign into the force"
         );
         return Err(source.mistake(at, problem));
     }

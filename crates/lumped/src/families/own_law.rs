@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use crate::error::finite;
 use crate::families::law_text::{self, LawMistake};
+use crate::series::expression_series::has_series_at;
 use crate::structure::connected_masses::{Connection, Node, Place, Structure};
 use crate::structure::own_force::{ForceLaw, OwnForce};
 use crate::{LumpedError, ParameterKind};
@@ -227,7 +228,7 @@ impl OwnModel {
             let own = connection.element.law().as_own()?;
             let force = own.force_n(0.0, impact_speed_m_per_s);
             let problem = if force.is_finite() { "has no Taylor series" } else { "is no number" };
-            let fails = !force.is_finite() || !own.has_series_at(impact_speed_m_per_s);
+            let fails = !force.is_finite() || !has_series_at(own, impact_speed_m_per_s);
             fails.then(|| {
                 let number = k + 1;
                 format!("the force of element {number} {problem} at x = 0 and v = {impact_speed_m_per_s:.2} m/s")

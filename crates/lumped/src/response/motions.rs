@@ -16,6 +16,7 @@ use crate::exact::derivatives::{Driven, Instant};
 use crate::exact::linear_motion::LinearSystem;
 use crate::exact::{crossing, linear_motion};
 use crate::motion::collision::{Meeting, MeetingState};
+use crate::series::expression_series::heat;
 use crate::series::step::{LinkSeries, ORDER, Series, Step, integral, product};
 use crate::series::walk::{Reader, walk};
 use crate::structure::connected_masses::{Branch, Form, Place, Strain, Structure};
@@ -388,7 +389,7 @@ impl<'a> Record<'a> {
 pub(crate) fn heat_of(structure: &Structure, step: &Step, link: usize) -> Option<Series> {
     let law = structure.connections()[link].element.law();
     if let Some(own) = law.as_own() {
-        return own.heat(&step.branches[link], &step.force(link), &step.links[link].u, &step.links[link].w);
+        return heat(own, &step.branches[link], &step.force(link), &step.links[link].u, &step.links[link].w);
     }
     let damping = law.damping(&step.branches[link]);
     if damping == Form::ZERO {

@@ -1,13 +1,15 @@
 //! Taylor series of an expression along a motion, and of its derivatives.
 //!
 //! Each operation has a recurrence for its next coefficient (products are convolutions; `c = exp(a)` follows from
-//! `c' = c a'`, `c = ln(a)` from `a c' = a'`, a quotient from `b c = a`), so that the force of an expression is as exact
-//! as one of a [`Form`](crate::structure::connected_masses::Form). Derivatives by deflection, rate and parameters
+//! `c' = c a'`, `c = ln(a)` from `a c' = a'`, a quotient from `b c = a`). So the force of an expression is as exact as
+//! one of a [`Form`](crate::structure::connected_masses::Form). Derivatives by deflection, rate and parameters
 //! follow from one sweep back over the operations, with series in place of numbers.
 //! Griewank and Walther, "Evaluating Derivatives", 2nd ed., SIAM 2008, chapters 3 and 13.
 
 use crate::series::step::{ORDER, Series, product};
+use crate::structure::connected_masses::{Branch, Law, Strain};
 use crate::structure::expression::{Expression, Operation};
+use crate::structure::own_force::OwnForce;
 
 /// An expression with the values of its parameters on one branch, and its coefficients so far.
 #[derive(Debug, Clone)]
@@ -27,8 +29,13 @@ pub(crate) struct Partials {
 }
 
 impl ExpressionSeries {
+    /// That of an element on a branch, where its force is no form.
+    pub fn of_element(law: &dyn Law, branch: &Branch) -> Option<Self> {
+        law.as_own()?.expression(branch).map(Self::new)
+    }
+
     /// With these parameters, and a bit for each choice.
-    pub fn new(expression: &Expression, values: &[f64], choices: usize) -> Self {
+    fn new((expression, values, choices): (&Expression, &[f64], usize)) -> Self {
         let chosen = |operation: &Operation| match *operation {
             // The side that does not hold is never read.
             Operation::Choose { test, above, below, choice } => {
@@ -116,6 +123,23 @@ impl ExpressionSeries {
         }
         partials
     }
+}
+
+/// The power of what the rate adds to a force, W, over a step of these deflections and rates.
+pub(crate) fn heat(own: &OwnForce, branch: &Branch, force: &Series, u: &Series, w: &Series) -> Option<Series> {
+    let mut at_rest = ExpressionSeries::new(own.at_rest(branch, u[0], w[0])?);
+    let rest = [0.0; ORDER + 1];
+    let added: Series = std::array::from_fn(|k| force[k] - at_rest.term(k, u, &rest));
+    Some(std::array::from_fn(|k| product(&added, w, k)))
+}
+
+/// Whether a force has a series about contact at this speed, m/s.
+pub(crate) fn has_series_at(own: &OwnForce, speed_m_per_s: f64) -> bool {
+    let branch = own.start(Strain { w: speed_m_per_s, ..Strain::default() });
+    let Some(mut series) = ExpressionSeries::of_element(own, &branch) else { return true };
+    let (mut u, mut w) = ([0.0; ORDER + 1], [0.0; ORDER + 1]);
+    (u[1], w[0], w[1]) = (speed_m_per_s, speed_m_per_s, 1.0);
+    (0..=ORDER).all(|k| series.term(k, &u, &w).is_finite())
 }
 
 /// `sum += factor * terms`.

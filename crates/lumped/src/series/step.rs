@@ -227,7 +227,7 @@ impl Step {
             let branch = law.start(strain_between(&nodes, ends));
             let (force, inner) = (law.force(&branch), law.inner_rate());
             links.push(LinkSeries { nodes: ends, law: force, inner, u: zero, w: zero, z: zero, force: zero });
-            own.push(law.as_own().and_then(|law| law.series(&branch)));
+            own.push(ExpressionSeries::of_element(law, &branch));
             branches.push(branch);
         }
         let per_mass = structure.masses_kg().iter().map(|mass| mass.recip()).collect();

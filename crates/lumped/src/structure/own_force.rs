@@ -7,14 +7,15 @@
 
 use std::sync::Arc;
 
-use crate::series::expression_series::ExpressionSeries;
-use crate::series::step::{ORDER, Series};
 use crate::structure::connected_masses::{Branch, Form, Guard, Law, Strain};
 use crate::structure::expression::Expression;
 
-/// Steepness of a rigid line over the secant: a restitution of 3 %, below which the line of a record is rigid within its
-/// accuracy (`closed_form.rs` of the fits), is its square root.
+/// Steepness of a rigid line over the secant: its square root is a restitution of 3 %, below which the line of a record
+/// is rigid within its accuracy (`closed_form.rs` of the fits).
 const RIGID: f64 = 1e3;
+
+/// How far ahead a choice is looked at, s: a step of a motion is a thousand times as long at least.
+const ONWARD_S: f64 = 1e-9;
 
 /// How an element goes back.
 #[derive(Debug, Clone, PartialEq)]
@@ -137,31 +138,20 @@ impl OwnForce {
         [gradient.by_rate, gradient.by_deflection]
     }
 
-    /// The series of the force on a branch, where it is no [`Form`].
-    pub(crate) fn series(&self, branch: &Branch) -> Option<ExpressionSeries> {
+    /// Its law, its parameters and what is chosen on a branch, where the force there is no [`Form`].
+    pub(crate) fn expression(&self, branch: &Branch) -> Option<(&Expression, &[f64], usize)> {
         let is_series = state(branch) == LOADING && !self.law.force.is_form();
-        is_series.then(|| ExpressionSeries::new(&self.law.force, &self.values, choices(branch)))
+        is_series.then(|| (&self.law.force, &self.values[..], choices(branch)))
     }
 
-    /// Whether its force has a series about contact at this speed, m/s.
-    pub(crate) fn has_series_at(&self, speed_m_per_s: f64) -> bool {
-        let branch = self.start(Strain { w: speed_m_per_s, ..Strain::default() });
-        let Some(mut series) = self.series(&branch) else { return true };
-        let (mut u, mut w) = ([0.0; ORDER + 1], [0.0; ORDER + 1]);
-        (u[1], w[0], w[1]) = (speed_m_per_s, speed_m_per_s, 1.0);
-        (0..=ORDER).all(|k| series.term(k, &u, &w).is_finite())
-    }
-
-    /// The power of what the rate adds to the force, W, over a step of these deflections and rates.
-    pub(crate) fn heat(&self, branch: &Branch, force: &Series, u: &Series, w: &Series) -> Option<Series> {
+    /// The same of the force at rest, from a deflection on that changes at a rate; `None` where the rate adds nothing.
+    pub(crate) fn at_rest(&self, branch: &Branch, u: f64, w: f64) -> Option<(&Expression, &[f64], usize)> {
         if state(branch) != LOADING || !self.depends_on_rate() {
             return None;
         }
-        let at_rest = [0.0; ORDER + 1];
-        let taken = self.law.force.choices(&self.values, u[0] + 1e-9 * w[0], 0.0);
-        let mut series = ExpressionSeries::new(&self.law.force, &self.values, taken);
-        let added: Series = std::array::from_fn(|k| force[k] - series.term(k, u, &at_rest));
-        Some(std::array::from_fn(|k| crate::series::step::product(&added, w, k)))
+        // A choice that turns at the start is that of the way on.
+        let taken = self.law.force.choices(&self.values, u + ONWARD_S * w, 0.0);
+        Some((&self.law.force, &self.values[..], taken))
     }
 
     /// Work of the force at rest from zero to a deflection, J.

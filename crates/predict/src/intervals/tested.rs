@@ -66,28 +66,28 @@ impl Directions {
 /// The parameters of a candidate with a deviation, and the covariance of their logarithms; a parameter at zero stays
 /// there, and the others are conditioned on it. `None` where nothing is known of them.
 pub(crate) fn log_covariance(candidate: &Candidate) -> Option<(Vec<String>, DMatrix<f64>)> {
-        let spread = candidate.spread.as_ref()?;
-        let value = |name: &str| candidate.value(name).unwrap_or(0.0);
-        let deviation = |name: &str| spread.standard_deviation.get(name).copied().filter(|d| d.is_finite() && *d > 0.0);
-        let rows = spread.order.iter().enumerate().filter(|(_, name)| deviation(name).is_some());
-        let (at_zero, free): (Vec<_>, Vec<_>) = rows.partition(|(_, name)| value(name) == 0.0);
-        let correlation = |rows: &[(usize, &String)], columns: &[(usize, &String)]| {
-            DMatrix::from_fn(rows.len(), columns.len(), |i, j| {
-                let (row, column) = (rows[i].0, columns[j].0);
-                let stated = spread.correlation.get(row).and_then(|row| row.get(column));
-                stated.copied().unwrap_or(if row == column { 1.0 } else { 0.0 })
-            })
-        };
-        let mut covariance = correlation(&free, &free);
-        if let Some(inverse) = correlation(&at_zero, &at_zero).try_inverse() {
-            let across = correlation(&free, &at_zero);
-            covariance -= &across * inverse * across.transpose();
-        }
-        let scale: Vec<f64> = free.iter().map(|(_, name)| deviation(name).unwrap_or(0.0) / value(name).abs()).collect();
-        for (i, j) in (0..scale.len()).flat_map(|i| (0..scale.len()).map(move |j| (i, j))) {
-            covariance[(i, j)] *= scale[i] * scale[j];
-        }
-        Some((free.into_iter().map(|(_, name)| name.clone()).collect(), covariance))
+    let spread = candidate.spread.as_ref()?;
+    let value = |name: &str| candidate.value(name).unwrap_or(0.0);
+    let deviation = |name: &str| spread.standard_deviation.get(name).copied().filter(|d| d.is_finite() && *d > 0.0);
+    let rows = spread.order.iter().enumerate().filter(|(_, name)| deviation(name).is_some());
+    let (at_zero, free): (Vec<_>, Vec<_>) = rows.partition(|(_, name)| value(name) == 0.0);
+    let correlation = |rows: &[(usize, &String)], columns: &[(usize, &String)]| {
+        DMatrix::from_fn(rows.len(), columns.len(), |i, j| {
+            let (row, column) = (rows[i].0, columns[j].0);
+            let stated = spread.correlation.get(row).and_then(|row| row.get(column));
+            stated.copied().unwrap_or(if row == column { 1.0 } else { 0.0 })
+        })
+    };
+    let mut covariance = correlation(&free, &free);
+    if let Some(inverse) = correlation(&at_zero, &at_zero).try_inverse() {
+        let across = correlation(&free, &at_zero);
+        covariance -= &across * inverse * across.transpose();
+    }
+    let scale: Vec<f64> = free.iter().map(|(_, name)| deviation(name).unwrap_or(0.0) / value(name).abs()).collect();
+    for (i, j) in (0..scale.len()).flat_map(|i| (0..scale.len()).map(move |j| (i, j))) {
+        covariance[(i, j)] *= scale[i] * scale[j];
+    }
+    Some((free.into_iter().map(|(_, name)| name.clone()).collect(), covariance))
 }
 
 fn principal(names: &[String], covariance: DMatrix<f64>) -> Vec<Direction> {

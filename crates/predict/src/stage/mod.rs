@@ -16,10 +16,10 @@ use crumple_stage::records::{CandidateV1, RecommendationV1};
 use crumple_stage::{InputDigest, Inputs, Loaded, Outcome, Output, Refused, Stage, option};
 
 use crate::stage::inputs::{OtherTest, beside_in_words, candidates, named, read_other_test, tested};
-pub use crate::stage::plan::{PlanOptions, plan};
 use crate::stage::occupant::rider;
 use crate::stage::options::{Options, Settings};
 use crate::stage::partner::ReadPartner;
+pub use crate::stage::plan::{PlanOptions, plan};
 use crate::stage::records::{record, write_waves};
 use crate::stage::table::{Row, header, line, partner_and_occupant, what_if};
 

@@ -54,7 +54,8 @@ pub fn plan(options: PlanOptions) -> anyhow::Result<ExitStatus> {
     let asked: Vec<String> = options.candidate.iter().cloned().collect();
     let place = named(&all, &records, choice.as_ref(), &asked)?.first().map(|named| named.place);
     let place = place.ok_or_else(|| Refused::new("the run recommends no model").hint("--candidate ID names one"))?;
-    let test = tested(input)?.ok_or_else(|| Refused::new("the run has no impact speed").hint("--impact-speed 56km/h"))?;
+    let test =
+        tested(input)?.ok_or_else(|| Refused::new("the run has no impact speed").hint("--impact-speed 56km/h"))?;
     let read = |text: &String| Ok::<_, Usage>(speeds(text)?.0);
     let mut asked_m_per_s: Vec<f64> =
         options.speed.iter().map(read).collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
@@ -65,11 +66,8 @@ pub fn plan(options: PlanOptions) -> anyhow::Result<ExitStatus> {
         asked_m_per_s.sort_by(f64::total_cmp);
         asked_m_per_s.dedup_by(|a, b| (*a - *b).abs() < 0.5 / 3.6);
     }
-    let masses: Vec<Option<f64>> = if options.mass.is_empty() {
-        vec![None]
-    } else {
-        options.mass.iter().map(|mass| Some(mass.si())).collect()
-    };
+    let masses: Vec<Option<f64>> =
+        if options.mass.is_empty() { vec![None] } else { options.mass.iter().map(|mass| Some(mass.si())).collect() };
     let count = all[place].model.as_ref().map_or(1, |model| model.masses_kg().len());
     let sensors: &[bool] = if count > 1 { &[false, true] } else { &[false] };
     let mut second = Vec::new();
@@ -95,9 +93,8 @@ pub fn plan(options: PlanOptions) -> anyhow::Result<ExitStatus> {
 
 /// The speed at which the crush is wanted, m/s.
 fn wanted(text: &str) -> Result<f64, Usage> {
-    let wrong = || {
-        Usage::new(format!("--want {text:?}: expected a crush at a speed")).hint("--want \"crush at 64km/h\"")
-    };
+    let wrong =
+        || Usage::new(format!("--want {text:?}: expected a crush at a speed")).hint("--want \"crush at 64km/h\"");
     let speed = text.trim().strip_prefix("crush at ").ok_or_else(wrong)?;
     match speeds(speed)?.0[..] {
         [speed] => Ok(speed),

@@ -284,9 +284,7 @@ fn linear(name: &str, knot: &str, last: usize, at: &str, beyond: &str) -> String
 mod tests {
     use std::sync::Arc;
 
-    use crumple_lumped::{
-        Damper, OwnLaw, OwnModel, PiecewiseLinear, PlasticSpring, SeriesSpringDamper, Spring,
-    };
+    use crumple_lumped::{Damper, OwnLaw, OwnModel, PiecewiseLinear, PlasticSpring, SeriesSpringDamper, Spring};
 
     use super::*;
 
