@@ -98,7 +98,7 @@ impl Model {
     ///
     /// Whether the elastoplastic model lets go is no parameter: it is a choice of whoever simulates it.
     pub fn values(&self) -> Vec<f64> {
-        of_family!(self, model => Vec::from(model.values()))
+        of_family!(self, model => model.values())
     }
 
     /// Names of its [`values`](Self::values), masses first: those of its family; of a chain its masses, then the values
@@ -302,7 +302,7 @@ impl Model {
             return chain.parameters();
         }
         if let Self::Own(own) = self {
-            return own.names().into_iter().zip(own.values().iter().copied()).collect();
+            return own.names().into_iter().zip(own.values()).collect();
         }
         let named = self.kind().parameter_names().iter().map(|name| (*name).to_owned()).zip(self.values());
         named.filter(|(_, value)| !value.is_nan()).collect()

@@ -174,8 +174,8 @@ impl OwnModel {
     }
 
     /// Masses, kg, from the barrier on, the measured one last; then the parameters in SI.
-    pub fn values(&self) -> &[f64] {
-        &self.values
+    pub fn values(&self) -> Vec<f64> {
+        self.values.clone()
     }
 
     /// The same law with other values.

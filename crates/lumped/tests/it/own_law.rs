@@ -245,7 +245,7 @@ fn derivatives_agree_with_differences_through_every_branch() {
     for (p, value) in model.values().iter().enumerate() {
         let step = 1e-5 * value;
         let moved = |step: f64| {
-            let mut values = model.values().to_vec();
+            let mut values = model.values();
             values[p] += step;
             model.with_values(&values).structure().unwrap().motions_at(V0, &at).unwrap()
         };
