@@ -223,7 +223,7 @@ fn element(
             (Glyph::Curve(vec![(0.0, 0.0), (1.0, 1.0), ((1.0 - back).clamp(0.0, 1.0), 0.0)]), "k")
         }
         Element::OwnForce(force) => {
-            own.iter().for_each(|name| value("", name, true));
+            own.iter().for_each(|name| value(&ShownParameter::of(record, name).symbol, name, true));
             let curve = match force.unloading_n_per_m(1.0) {
                 Some(_) => vec![(0.0, 0.0), (1.0, 1.0), (0.9, 0.0)],
                 None => vec![(0.0, 0.0), (1.0, 1.0)],
