@@ -62,7 +62,7 @@ pub fn static_curves(
     let record = artifact
         .record::<CandidateV1>(&format!("/parameters/{id}"))?
         .ok_or_else(|| CurveError::NoCandidate { id: id.clone(), candidates: ids(artifact) })?;
-    let model = Model::read(&record.model, &record.parameters)?;
+    let model = Model::read(&record.model, record.law.as_deref(), &record.parameters)?;
     let choice = artifact.record::<RecommendationV1>("/recommendation")?;
     let rated = choice.iter().flat_map(|choice| &choice.candidates).find(|rated| rated.id == id);
     let ends = ends_of_numbers(&record, rated);
@@ -106,7 +106,12 @@ pub fn static_curves(
                 let points = if spring.0.as_constant().is_some() { 2 } else { POINTS };
                 bare((0..points).map(|j| of(to * j as f64 / (points - 1) as f64)).collect())
             }
-            (Element::PlasticSpring(_) | Element::Spring(_), None) => {
+            (Element::OwnForce(own), Some(to)) => {
+                let of = |j: usize| to * j as f64 / (POINTS - 1) as f64;
+                let points = (0..POINTS).map(|j| (of(j), own.static_force_n(of(j)))).collect();
+                StaticCurve { unloading_n_per_m: own.unloading_n_per_m(to), ..bare(points) }
+            }
+            (Element::PlasticSpring(_) | Element::Spring(_) | Element::OwnForce(_), None) => {
                 needs_end = true;
                 continue;
             }
@@ -171,6 +176,7 @@ fn static_force_n(element: &Element, deflection_m: f64) -> f64 {
         Element::ForceDeflection(curve) => curve.static_force_n(deflection_m),
         Element::PlasticSpring(spring) => spring.loading_stiffness_n_per_m * deflection_m,
         Element::Spring(spring) => spring.0.at(deflection_m) * deflection_m,
+        Element::OwnForce(own) => own.static_force_n(deflection_m),
         Element::Damper(_) | Element::SeriesSpringDamper(_) => 0.0,
     }
 }

@@ -55,6 +55,14 @@ const EXAMPLES: &[(&str, [Example; 3])] = &[
         ],
     ),
     (
+        "plan",
+        [
+            ("which second test helps most", "plan runs/crumple-demo/default --want \"crush at 64km/h\""),
+            ("of these speeds", "plan runs/crumple-demo/default --want \"crush at 64km/h\" --speed 40km/h,64km/h"),
+            ("with another mass", "plan runs/crumple-demo/default --want \"crush at 64km/h\" --mass 1500kg"),
+        ],
+    ),
+    (
         "damage",
         [
             ("stiffness of a front by one barrier test", "damage --test 1400kg,56km/h,48cm,150cm"),

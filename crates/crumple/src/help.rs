@@ -16,7 +16,7 @@ pub struct Group {
 pub const GROUPS: [Group; 5] = [
     Group {
         title: "Every day",
-        commands: &["demo", "run", "predict", "notes", "explain", "curve", "damage"],
+        commands: &["demo", "run", "predict", "notes", "explain", "curve", "damage", "plan"],
         is_for_few: false,
     },
     Group {

@@ -70,6 +70,8 @@ static OTHERS: &[Program] = &[
     #[cfg(feature = "run")]
     crumple_run::DAMAGE,
     #[cfg(feature = "run")]
+    crumple_predict::PLAN,
+    #[cfg(feature = "run")]
     crumple_run::COMPARE,
     #[cfg(not(feature = "run"))]
     crumple_report::COMPARE,

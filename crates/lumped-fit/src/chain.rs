@@ -97,7 +97,7 @@ const MASSES: [(f64, f64); 2] = [(1e-3, 0.999), (0.05, 0.6)];
 /// Two numbers nearer than this, relatively, are the same.
 const ROUNDING: f64 = 1e-9;
 /// A start that is given is the middle of a range from a fifth to five times it, in which the other starts lie.
-const AROUND: f64 = 5.0;
+pub(crate) const AROUND: f64 = 5.0;
 
 impl ChainCoordinates {
     /// Reads a stated chain for a fit over a window that ends `length_s` after contact.
@@ -152,6 +152,12 @@ impl ChainCoordinates {
         let start = chain_of(&masses, &springs, &dampers)?;
         let numbers = Coordinates::new(Model::Chain(start), reading.free).with_rest(rest, total_kg);
         Ok(Self { numbers, given_bounds: reading.given_bounds })
+    }
+
+    /// Numbers whose bounds were all stated.
+    pub fn within(numbers: Coordinates) -> Self {
+        let given_bounds = vec![(true, true); numbers.free.len()];
+        Self { numbers, given_bounds }
     }
 
     /// The coordinates of a chain, if it is one that was stated: numbers that were given have their values to a
@@ -365,89 +371,95 @@ impl StatedChain {
     ///
     /// Errors: a chain without meaning, a wave of a mass that the chain does not have, no start with a finite response.
     pub fn fit(&self, observed: &Observation, starts: usize) -> Result<Vec<Candidate>, SolveError> {
-        let masses = self.elements.len();
         let length_s = observed.waves.iter().map(|w| w.window_s().1).fold(0.0, f64::max);
         if length_s <= 0.0 {
             return Err(SolveError::Value { name: "number of waves", value: 0.0, expected: "one or more" });
         }
-        let coordinates = ChainCoordinates::new(self, length_s)?;
-        let index = |mass: Option<usize>| mass.unwrap_or(masses - 1);
-        if let Some(strange) = observed.waves.iter().map(|wave| index(wave.mass)).find(|mass| *mass >= masses) {
-            return Err(SolveError::Value {
-                name: "number of a mass with a sensor",
-                value: (strange + 1) as f64,
-                expected: "a mass of the chain",
-            });
-        }
-        let starts = starts.max(6 * coordinates.numbers.free.len());
-        let how = Search::Starts(starts, vec![coordinates.numbers.start()]);
-        let searched = search(&coordinates.numbers, observed, &how).ok_or(SolveError::NoFit { starts })?;
-        let mut waves = observed.clone();
-        for (wave, found) in waves.waves.iter_mut().zip(&searched.observed.waves) {
-            wave.weight = found.weight;
-        }
-        let (mut minima, mut evaluations) = (searched.minima, searched.evaluations);
-        for _ in 0..WEIGHINGS {
-            let problem = Problem::new(&coordinates.numbers, &waves, 0.0);
-            let points = minima.iter().map(|m| m.theta.clone()).collect();
-            let (next, spent) = all(&problem, points, &bounds(&coordinates.numbers, 200, 1e-12));
-            evaluations += spent;
-            minima = distinct(&coordinates.numbers, next);
-            let Some(best) = minima.first() else { break };
-            let rmse = problem.rmse(&best.theta).unwrap_or_default();
-            if !waves.weigh(&rmse, WORTH_ANOTHER) {
-                break;
-            }
-        }
-        let best = minima.first().ok_or(SolveError::NoFit { starts })?.cost;
-        minima.retain(|minimum| minimum.cost.sqrt() <= AS_GOOD * best.sqrt());
-        let problem = Problem::new(&coordinates.numbers, &waves, 0.0);
-        let mut solutions: Vec<Candidate> = Vec::new();
-        let mut places: Vec<Vec<f64>> = Vec::new();
-        let mut sets = 0;
-        for minimum in &minima {
-            let known = places.iter().any(|other| other.iter().zip(&minimum.theta).all(|(a, b)| (a - b).abs() < SAME));
-            if known || sets == REPORTED {
-                continue;
-            }
-            let Some(mut primal) = solution(&problem, minimum, evaluations) else { continue };
-            sets += 1;
-            let place = solutions.len() + 1;
-            places.push(minimum.theta.clone());
-            let dual = match &primal.model {
-                Model::Chain(chain) if sees_the_last_only(&waves, masses) => {
-                    dual_of(&coordinates, chain, &minimum.theta)
-                }
-                _ => None,
-            };
-            let other = match dual {
-                Some(DualOf::At(theta)) => {
-                    places.push(theta.clone());
-                    // What the search stopped at is the bound of the minimum: that of the other place in its dual.
-                    let on_bound = coordinates.exchanged(&minimum.on_bound);
-                    solution(&problem, &Optimum { theta, on_bound, ..minimum.clone() }, evaluations)
-                }
-                Some(DualOf::Outside(chain)) => {
-                    primal.excluded_dual = Some(chain);
-                    None
-                }
-                None => None,
-            };
-            match other {
-                // The one with the softer first spring comes first, whichever was found first.
-                Some(mut other) => {
-                    if first_spring(&other) < first_spring(&primal) {
-                        std::mem::swap(&mut primal, &mut other);
-                    }
-                    let (first, second) = (Some(place), Some(place + 1));
-                    solutions.push(Candidate { index: place, equivalent_to: second, ..primal });
-                    solutions.push(Candidate { index: place + 1, equivalent_to: first, ..other });
-                }
-                None => solutions.push(Candidate { index: place, ..primal }),
-            }
-        }
-        Ok(solutions)
+        fit_stated(&ChainCoordinates::new(self, length_s)?, observed, starts)
     }
+}
+
+/// Fits the numbers of a stated model, see [`StatedChain::fit`].
+pub(crate) fn fit_stated(
+    coordinates: &ChainCoordinates,
+    observed: &Observation,
+    starts: usize,
+) -> Result<Vec<Candidate>, SolveError> {
+    let masses = coordinates.numbers.masses();
+    let index = |mass: Option<usize>| mass.unwrap_or(masses - 1);
+    if let Some(strange) = observed.waves.iter().map(|wave| index(wave.mass)).find(|mass| *mass >= masses) {
+        return Err(SolveError::Value {
+            name: "number of a mass with a sensor",
+            value: (strange + 1) as f64,
+            expected: "a mass of the chain",
+        });
+    }
+    let starts = starts.max(6 * coordinates.numbers.free.len());
+    let how = Search::Starts(starts, vec![coordinates.numbers.start()]);
+    let searched = search(&coordinates.numbers, observed, &how).ok_or(SolveError::NoFit { starts })?;
+    let mut waves = observed.clone();
+    for (wave, found) in waves.waves.iter_mut().zip(&searched.observed.waves) {
+        wave.weight = found.weight;
+    }
+    let (mut minima, mut evaluations) = (searched.minima, searched.evaluations);
+    for _ in 0..WEIGHINGS {
+        let problem = Problem::new(&coordinates.numbers, &waves, 0.0);
+        let points = minima.iter().map(|m| m.theta.clone()).collect();
+        let (next, spent) = all(&problem, points, &bounds(&coordinates.numbers, 200, 1e-12));
+        evaluations += spent;
+        minima = distinct(&coordinates.numbers, next);
+        let Some(best) = minima.first() else { break };
+        let rmse = problem.rmse(&best.theta).unwrap_or_default();
+        if !waves.weigh(&rmse, WORTH_ANOTHER) {
+            break;
+        }
+    }
+    let best = minima.first().ok_or(SolveError::NoFit { starts })?.cost;
+    minima.retain(|minimum| minimum.cost.sqrt() <= AS_GOOD * best.sqrt());
+    let problem = Problem::new(&coordinates.numbers, &waves, 0.0);
+    let mut solutions: Vec<Candidate> = Vec::new();
+    let mut places: Vec<Vec<f64>> = Vec::new();
+    let mut sets = 0;
+    for minimum in &minima {
+        let known = places.iter().any(|other| other.iter().zip(&minimum.theta).all(|(a, b)| (a - b).abs() < SAME));
+        if known || sets == REPORTED {
+            continue;
+        }
+        let Some(mut primal) = solution(&problem, minimum, evaluations) else { continue };
+        sets += 1;
+        let place = solutions.len() + 1;
+        places.push(minimum.theta.clone());
+        let dual = match &primal.model {
+            Model::Chain(chain) if sees_the_last_only(&waves, masses) => dual_of(coordinates, chain, &minimum.theta),
+            _ => None,
+        };
+        let other = match dual {
+            Some(DualOf::At(theta)) => {
+                places.push(theta.clone());
+                // What the search stopped at is the bound of the minimum: that of the other place in its dual.
+                let on_bound = coordinates.exchanged(&minimum.on_bound);
+                solution(&problem, &Optimum { theta, on_bound, ..minimum.clone() }, evaluations)
+            }
+            Some(DualOf::Outside(chain)) => {
+                primal.excluded_dual = Some(chain);
+                None
+            }
+            None => None,
+        };
+        match other {
+            // The one with the softer first spring comes first, whichever was found first.
+            Some(mut other) => {
+                if first_spring(&other) < first_spring(&primal) {
+                    std::mem::swap(&mut primal, &mut other);
+                }
+                let (first, second) = (Some(place), Some(place + 1));
+                solutions.push(Candidate { index: place, equivalent_to: second, ..primal });
+                solutions.push(Candidate { index: place + 1, equivalent_to: first, ..other });
+            }
+            None => solutions.push(Candidate { index: place, ..primal }),
+        }
+    }
+    Ok(solutions)
 }
 
 /// Stiffness of the spring next to the barrier at no compression, N/m: orders a solution and its dual.

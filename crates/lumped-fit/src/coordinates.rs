@@ -369,7 +369,7 @@ impl Coordinates {
                     push(place, Map::Logarithm(scale), DAMPER_BOUNDS, searched);
                 }
                 // Of a crushed structure, which is read off the record and not searched for.
-                ParameterKind::Force | ParameterKind::RateFactor => {}
+                ParameterKind::Force | ParameterKind::RateFactor | ParameterKind::Other => {}
                 // Masses stand in front of all others.
                 ParameterKind::Stiffness | ParameterKind::Mass => {
                     let scale = spring * of_rear(parameter.name);

@@ -63,6 +63,7 @@ mod fit {
 }
 mod joint;
 mod matching;
+mod own_model;
 mod papers;
 mod parameters;
 mod record {
@@ -123,6 +124,7 @@ pub use fit::as_measured::fit_as_measured;
 pub use fit::problem::SingleMassFitOptions;
 pub use joint::{JointTest, REMARKS as JOINT_REMARKS, RateFactorSource, fit_together};
 pub use matching::{CoefficientSpread, Identified, MassDivisions, Matched, Quartic, REMARKS as MATCHING_REMARKS};
+pub use own_model::fit_own_model;
 pub use papers::{
     FireflyOptions, FireflyUnits, curve_fit_of_the_paper, front_from_amplitudes, match_as_the_paper_typed,
     maxwell_from_sum, rear_from_amplitudes,

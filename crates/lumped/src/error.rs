@@ -60,6 +60,12 @@ pub enum LumpedError {
         /// The parameter.
         name: String,
     },
+    /// The text of an own model is wrong.
+    #[error("the file of the own model: {0}")]
+    Law(#[from] crate::LawMistake),
+    /// A candidate of an own model comes without the text of its law.
+    #[error("an own model needs the text of its law, which its record does not have")]
+    NoLaw,
     /// The motion of a chain of masses leaves the range of numbers.
     #[error("the motion of the chain of masses cannot be followed beyond t = {time_s} s: it diverges or is too stiff")]
     ChainDiverges {

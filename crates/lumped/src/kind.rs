@@ -32,10 +32,12 @@ pub enum ModelKind {
     /// Any number of masses in a row, as a person states them: the names of its parameters follow from their number
     /// and from the knots of its springs and dampers.
     Chain,
+    /// Masses and elements with forces that a person states in a file.
+    Own,
 }
 
 impl ModelKind {
-    /// All families with a table of parameters: all kinds but the chain.
+    /// All families with a table of parameters: all kinds but chain and own model.
     pub const ALL: [Self; 9] = [
         Self::Kelvin,
         Self::Elastoplastic,
@@ -61,6 +63,7 @@ impl ModelKind {
             Self::TripleSpringMassDamper => "triple-spring-mass-damper",
             Self::ForceDeflection | Self::LoadPaths => "force-deflection",
             Self::Chain => "chain",
+            Self::Own => "own",
         }
     }
 }
@@ -93,10 +96,12 @@ pub enum ParameterKind {
     Force,
     /// Share by which a force grows with the rate of compression, s/m.
     RateFactor,
+    /// A number of an own model with a unit of its own, or without one.
+    Other,
 }
 
 impl ParameterKind {
-    /// All kinds; one whose unit ends like another's comes first.
+    /// All kinds with a unit; one whose unit ends like another's comes first.
     pub const ALL: [Self; 7] =
         [Self::Mass, Self::Stiffness, Self::Damping, Self::RateFactor, Self::Length, Self::Rate, Self::Force];
 
@@ -110,6 +115,7 @@ impl ParameterKind {
             Self::Rate => "m/s",
             Self::Force => "N",
             Self::RateFactor => "s/m",
+            Self::Other => "",
         }
     }
 
@@ -124,13 +130,16 @@ impl ParameterKind {
             Self::Rate => "m_per_s",
             Self::Force => "n",
             Self::RateFactor => "s_per_m",
+            Self::Other => "",
         }
     }
 
     /// The name of a parameter of this kind without its unit: `k1` of `k1_n_per_m`. A name without this unit stays
     /// whole.
     pub fn symbol_of(self, name: &str) -> &str {
-        name.strip_suffix(self.unit_in_name()).and_then(|symbol| symbol.strip_suffix('_')).unwrap_or(name)
+        let symbol = name.strip_suffix(self.unit_in_name()).and_then(|symbol| symbol.strip_suffix('_'));
+        // `kg_per_m` is no length.
+        symbol.filter(|symbol| !symbol.ends_with("_per")).unwrap_or(name)
     }
 }
 
@@ -326,7 +335,7 @@ impl ModelKind {
             Self::TripleSpringMassDamper => &TRIPLE,
             Self::ForceDeflection => &FORCE_DEFLECTION,
             Self::LoadPaths => &TWO_MASSES,
-            Self::Chain => &[],
+            Self::Chain | Self::Own => &[],
         }
     }
 
@@ -341,7 +350,7 @@ impl ModelKind {
             Self::TripleSpringMassDamper => const { &names(&TRIPLE) },
             Self::ForceDeflection => const { &names(&FORCE_DEFLECTION) },
             Self::LoadPaths => const { &names(&TWO_MASSES) },
-            Self::Chain => &[],
+            Self::Chain | Self::Own => &[],
         }
     }
 
@@ -358,13 +367,13 @@ impl FromStr for ModelKind {
     type Err = LumpedError;
 
     fn from_str(text: &str) -> Result<Self, LumpedError> {
-        Self::ALL.into_iter().chain([Self::Chain]).find(|kind| kind.name() == text).ok_or_else(|| {
+        Self::ALL.into_iter().chain([Self::Chain, Self::Own]).find(|kind| kind.name() == text).ok_or_else(|| {
             LumpedError::UnknownModel {
                 given: text.to_owned(),
                 expected: {
                     let mut names = Self::ALL.map(Self::name).to_vec();
                     names.dedup();
-                    names.push(Self::Chain.name());
+                    names.extend([Self::Chain, Self::Own].map(Self::name));
                     names.join(", ")
                 },
             }

@@ -14,6 +14,7 @@
 //! - [`Nonlinear1`], [`Nonlinear2`]: secant spring and damper with piecewise-linear coefficients.
 //! - [`DoubleSpringMassDamper`]: chassis and passenger compartment, two of each.
 //! - [`CrushedStructure`] and [`CrushedLoadPaths`]: one mass or two behind structures crushed along curves.
+//! - [`OwnLaw`]: masses and elements whose forces are expressions that a person states.
 //! - [`TripleSpringMassDamper`] and [`Chain`]: three and any number of masses, coefficients constant or piecewise
 //!   linear.
 //!
@@ -56,8 +57,10 @@ mod families {
     //! One file a family of models: what it is made of, its closed form where it has one, the names of its parameters.
 
     pub mod chain;
+    pub mod law_text;
     pub mod load_paths;
     pub mod one_mass;
+    pub mod own_law;
 }
 mod kind;
 mod matching {
@@ -86,6 +89,7 @@ mod series {
     //! Motions of any structure by Taylor series from event to event, with their derivatives.
 
     pub mod changes;
+    pub mod expression_series;
     pub mod step;
     pub mod walk;
 }
@@ -95,15 +99,19 @@ mod structure {
     pub mod connected_masses;
     pub mod crush_curve;
     pub mod elements;
+    pub mod expression;
     pub mod force_deflection;
+    pub mod own_force;
     pub mod piecewise_linear;
 }
 
 pub use crumple_numerics::lti::Complex;
 pub use error::LumpedError;
 pub use families::chain::{Chain, TripleSpringMassDamper};
+pub use families::law_text::LawMistake;
 pub use families::load_paths::{CrushedLoadPaths, CrushedStructure, LoadPath};
 pub use families::one_mass::{DoubleSpringMassDamper, Elastoplastic, Kelvin, Maxwell, Nonlinear1, Nonlinear2};
+pub use families::own_law::{FreeNumber, LawMass, OwnLaw, OwnModel};
 pub use kind::{LOAD_PATHS, MOST_KNOTS, MOST_KNOTS_OF_PATH, ModelKind, Parameter, ParameterKind};
 pub use matching::coefficient_matching::{
     Certificate, CoefficientMatch, CoefficientMatching, MatchRoot, MatchedSolution, Reading, matching_sensitivity,
@@ -125,4 +133,5 @@ pub use structure::connected_masses::{Connection, Element, Node, Place, Structur
 pub use structure::crush_curve::{Extrapolation, InSeries};
 pub use structure::elements::{Damper, PlasticSpring, SeriesSpringDamper, Spring};
 pub use structure::force_deflection::{ForceDeflection, ForceDeflectionParameter};
+pub use structure::own_force::OwnForce;
 pub use structure::piecewise_linear::PiecewiseLinear;

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use crate::families::chain::places_of_constants;
 use crate::families::load_paths::CrushedLoadPaths;
@@ -10,8 +11,8 @@ use crate::motion::mass_motion::HORIZON_S;
 use crate::structure::connected_masses::Place;
 use crate::{
     Chain, CrushEvents, CrushedStructure, DoubleSpringMassDamper, Drive, Dynamics, Elastoplastic, Instants, Kelvin,
-    LumpedError, Maxwell, ModelKind, Nonlinear1, Nonlinear2, ParameterKind, Response, Sensitivity, Structure,
-    TripleSpringMassDamper,
+    LumpedError, Maxwell, ModelKind, Nonlinear1, Nonlinear2, OwnLaw, OwnModel, ParameterKind, Response, Sensitivity,
+    Structure, TripleSpringMassDamper,
 };
 
 // [`Model`] is the one type that candidates, fits and simulations hold: whatever the family, it checks its parameters,
@@ -41,6 +42,8 @@ pub enum Model {
     LoadPaths(CrushedLoadPaths),
     /// Any number of masses in a row.
     Chain(Chain),
+    /// Masses and elements with forces that a person states.
+    Own(OwnModel),
 }
 
 /// The same of whatever family a model is.
@@ -57,6 +60,7 @@ macro_rules! of_family {
             Model::ForceDeflection($family) => $what,
             Model::LoadPaths($family) => $what,
             Model::Chain($family) => $what,
+            Model::Own($family) => $what,
         }
     };
 }
@@ -75,6 +79,7 @@ impl Model {
             Self::ForceDeflection(_) => ModelKind::ForceDeflection,
             Self::LoadPaths(_) => ModelKind::LoadPaths,
             Self::Chain(_) => ModelKind::Chain,
+            Self::Own(_) => ModelKind::Own,
         }
     }
 
@@ -101,6 +106,7 @@ impl Model {
     pub fn names(&self) -> Vec<Cow<'static, str>> {
         match self {
             Self::Chain(chain) => chain.names().into_iter().map(Cow::Owned).collect(),
+            Self::Own(own) => own.names().into_iter().map(Cow::Owned).collect(),
             _ => self.kind().parameter_names().iter().map(|name| Cow::Borrowed(*name)).collect(),
         }
     }
@@ -109,6 +115,7 @@ impl Model {
     pub fn parameter_kind(&self, name: &str) -> Option<ParameterKind> {
         match self {
             Self::Chain(_) => Chain::parameter_kind(name),
+            Self::Own(own) => own.parameter_kind(name),
             _ => self.kind().parameter(name).map(|parameter| parameter.kind),
         }
     }
@@ -117,6 +124,9 @@ impl Model {
     pub fn masses_kg(&self) -> Vec<f64> {
         if let Self::Chain(chain) = self {
             return chain.masses_kg().to_vec();
+        }
+        if let Self::Own(own) = self {
+            return own.masses_kg().to_vec();
         }
         let parameters = self.kind().parameters().iter().zip(self.values());
         parameters.filter(|(parameter, _)| parameter.kind == ParameterKind::Mass).map(|(_, mass)| mass).collect()
@@ -135,7 +145,7 @@ impl Model {
 /// name to end with. `None` for a parameter that the family does not have, or that ends in none of these units.
 pub fn parameter_kind(model: &str, name: &str) -> Option<ParameterKind> {
     if let Ok(family) = model.parse::<ModelKind>()
-        && family != ModelKind::Chain
+        && !matches!(family, ModelKind::Chain | ModelKind::Own)
     {
         let of_name = ModelKind::ALL.into_iter().filter(|kind| kind.name() == family.name());
         return of_name.filter_map(|kind| kind.parameter(name)).map(|parameter| parameter.kind).next();
@@ -143,9 +153,14 @@ pub fn parameter_kind(model: &str, name: &str) -> Option<ParameterKind> {
     Chain::parameter_kind(name).or_else(|| parameter_kind_of_unit(name))
 }
 
-/// The structure of a candidate, from the names of model and parameters in its record. Errors: as [`Model::read`].
-pub fn structure_of(model: &str, parameters: &BTreeMap<String, f64>) -> Result<Structure, LumpedError> {
-    Model::read(model, parameters)?.structure()
+/// The structure of a candidate, from the names of model and parameters in its record, and the text of its law.
+/// Errors: as [`Model::read`].
+pub fn structure_of(
+    model: &str,
+    law: Option<&str>,
+    parameters: &BTreeMap<String, f64>,
+) -> Result<Structure, LumpedError> {
+    Model::read(model, law, parameters)?.structure()
 }
 
 /// What a number may be by the unit that its name ends with; `None` for a unit of no parameter.
@@ -155,10 +170,21 @@ pub fn parameter_kind_of_unit(name: &str) -> Option<ParameterKind> {
 }
 
 impl Model {
-    /// The model of a candidate, from the names of model and parameters in its record. Errors: a name of no kind, and
-    /// what the parameters are refused for.
-    pub fn read(model: &str, parameters: &BTreeMap<String, f64>) -> Result<Self, LumpedError> {
-        Self::from_parameters(model.parse()?, parameters)
+    /// The model of a candidate, from the names of model and parameters in its record, and the text of its law where
+    /// it is an own model. Errors: a name of no kind, a text that is no law, and what the parameters are refused for.
+    pub fn read(model: &str, law: Option<&str>, parameters: &BTreeMap<String, f64>) -> Result<Self, LumpedError> {
+        match model.parse()? {
+            ModelKind::Own => {
+                let law = Arc::new(OwnLaw::read(law.ok_or(LumpedError::NoLaw)?)?);
+                OwnModel::from_parameters(law, parameters).map(Self::Own)
+            }
+            kind => Self::from_parameters(kind, parameters),
+        }
+    }
+
+    /// The text of its law, of an own model.
+    pub fn law(&self) -> Option<&str> {
+        if let Self::Own(own) = self { Some(own.law().text()) } else { None }
     }
 
     /// Builds a model from named parameters: exactly those of [`ModelKind::parameter_names`], of the knots of a crushed
@@ -221,6 +247,7 @@ impl Model {
                 let name = "knots of springs and dampers".to_owned();
                 return Err(LumpedError::ChainParameter { problem: "needs the", name });
             }
+            ModelKind::Own => return Err(LumpedError::NoLaw),
         })
     }
 
@@ -230,6 +257,9 @@ impl Model {
     pub fn with_values(&self, values: &[f64]) -> Result<Self, LumpedError> {
         if let Self::Chain(chain) = self {
             return chain.with_values(values).map(Self::Chain);
+        }
+        if let Self::Own(own) = self {
+            return Ok(Self::Own(own.with_values(values)));
         }
         let mut model = Self::of_values(self.kind(), values)?;
         if let (Self::Elastoplastic(new), Self::Elastoplastic(old)) = (&mut model, self) {
@@ -271,6 +301,9 @@ impl Model {
         if let Self::Chain(chain) = self {
             return chain.parameters();
         }
+        if let Self::Own(own) = self {
+            return own.names().into_iter().zip(own.values()).collect();
+        }
         let named = self.kind().parameter_names().iter().map(|name| (*name).to_owned()).zip(self.values());
         named.filter(|(_, value)| !value.is_nan()).collect()
     }
@@ -281,9 +314,13 @@ impl Model {
         if let Self::Chain(chain) = self {
             return chain.is_passive();
         }
+        // Whether its forces are those of a passive structure, only the motion shows.
+        if let Self::Own(own) = self {
+            return own.masses_kg().iter().all(|kg| *kg > 0.0);
+        }
         let nonlinear = matches!(self, Self::Nonlinear1(_) | Self::Nonlinear2(_));
         let may_vanish = |kind| match kind {
-            ParameterKind::Damping | ParameterKind::Force | ParameterKind::RateFactor => true,
+            ParameterKind::Damping | ParameterKind::Force | ParameterKind::RateFactor | ParameterKind::Other => true,
             ParameterKind::Stiffness => nonlinear,
             ParameterKind::Mass | ParameterKind::Length | ParameterKind::Rate => false,
         };
@@ -301,6 +338,9 @@ impl Model {
     pub fn places(&self) -> Vec<Place> {
         if let Self::Chain(chain) = self {
             return chain.places();
+        }
+        if let Self::Own(own) = self {
+            return own.places();
         }
         let knots = |places: &[(usize, usize)]| -> Vec<Place> {
             let element = |(connection, parameter): &(usize, usize)| Place::Element {
@@ -327,7 +367,7 @@ impl Model {
                 knots(&knot(0).chain([(0, after), (0, after + 1)]).chain(knot(1)).collect::<Vec<_>>())
             }
             ModelKind::LoadPaths => CrushedLoadPaths::places(&self.values()),
-            ModelKind::Chain => Vec::new(),
+            ModelKind::Chain | ModelKind::Own => Vec::new(),
         }
     }
 
@@ -422,10 +462,10 @@ mod tests {
     #[test]
     fn a_structure_is_that_of_the_family_or_of_the_chain() {
         let model = Model::Kelvin(Kelvin { mass_kg: 900.0, stiffness_n_per_m: 3e5, damping_n_s_per_m: 2e3 });
-        assert_eq!(structure_of("kelvin", &model.parameters()), model.structure());
+        assert_eq!(structure_of("kelvin", None, &model.parameters()), model.structure());
         let chain = Chain::with_constants(&[200.0, 700.0], &[3e5, 4e5], &[1e3, 2e3]).unwrap();
-        assert_eq!(structure_of("chain", &chain.parameters()), chain.structure());
-        assert!(matches!(structure_of("sled", &chain.parameters()), Err(LumpedError::UnknownModel { .. })));
+        assert_eq!(structure_of("chain", None, &chain.parameters()), chain.structure());
+        assert!(matches!(structure_of("sled", None, &chain.parameters()), Err(LumpedError::UnknownModel { .. })));
     }
 
     #[test]

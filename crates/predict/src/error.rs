@@ -8,6 +8,9 @@ pub enum PredictError {
     /// The model has no such response.
     #[error(transparent)]
     Model(#[from] LumpedError),
+    /// The crush asked for has no interval: the model does not stop.
+    #[error("the model does not stop in this impact, so that its crush has no interval")]
+    NoInterval,
     /// The mass asked for is less than what the model has in front of its compartment.
     #[error("{asked_kg} kg leave the compartment no mass: {front_kg:.1} kg of the model are in front of it")]
     Mass {

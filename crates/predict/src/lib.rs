@@ -29,6 +29,7 @@ mod intervals {
     pub mod sources;
     pub mod tested;
 }
+mod plan;
 mod predict;
 mod stage;
 
@@ -41,7 +42,12 @@ pub use impact::restraint::{Fitted, FittedRestraint, MeasuredRide};
 pub use intervals::prediction::{Prediction, Support};
 pub use intervals::sources::{HALF_WIDTH, INTERVAL_LEVEL, Inputs, Interval};
 pub use intervals::tested::Directions;
+pub use plan::{SecondTest, expected_widths};
 pub use predict::predict;
 
 /// The program.
 pub const PROGRAM: crumple_stage::Program = crumple_stage::Program::of_stage::<stage::Predict>();
+
+/// `crumple plan`: which second test would make a prediction surer.
+pub const PLAN: crumple_stage::Program =
+    crumple_stage::Program::of_tool::<stage::PlanOptions>("plan", |call| crumple_stage::run_tool(call, stage::plan));

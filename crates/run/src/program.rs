@@ -109,8 +109,8 @@ pub(crate) fn digest_of(path: &Path) -> Option<String> {
 }
 
 /// Programs of the project that are no stages.
-const NO_STAGES: [&str; 11] =
-    ["run", "demo", "together", "fleet", "watch", "study", "export", "view", "passport", "damage", "artifact"];
+const NO_STAGES: [&str; 12] =
+    ["run", "demo", "together", "fleet", "watch", "study", "export", "view", "passport", "damage", "plan", "artifact"];
 
 /// Whose program of the project a command names.
 enum Named {

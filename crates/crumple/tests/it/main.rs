@@ -12,7 +12,7 @@ use std::process::{Command, Output};
 const CRUMPLE: &str = env!("CARGO_BIN_EXE_crumple");
 
 /// Every word that stands for a program, and those behind one.
-const WORDS: [&str; 36] = [
+const WORDS: [&str; 37] = [
     "demo",
     "run",
     "together",
@@ -23,6 +23,7 @@ const WORDS: [&str; 36] = [
     "view",
     "passport",
     "damage",
+    "plan",
     "compare",
     "index",
     "diff",

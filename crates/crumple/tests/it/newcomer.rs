@@ -59,7 +59,7 @@ fn help_ends_with_three_examples_and_the_short_help_has_none() {
 
 /// Commands whose examples are typed one after another: each finds what the earlier ones made. Those of `study` need a
 /// file of classes.
-const IN_ORDER: [&str; 28] = [
+const IN_ORDER: [&str; 29] = [
     "demo",
     "run",
     "predict",
@@ -67,6 +67,7 @@ const IN_ORDER: [&str; 28] = [
     "explain",
     "curve",
     "damage",
+    "plan",
     "compare",
     "index",
     "accept",

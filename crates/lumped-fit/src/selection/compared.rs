@@ -23,6 +23,7 @@ impl EnergyClass {
     pub fn of(model: &Model) -> Self {
         match model {
             Model::Elastoplastic(_) | Model::ForceDeflection(_) | Model::LoadPaths(_) => Self::Plastic,
+            Model::Own(own) if own.law().is_plastic() => Self::Plastic,
             _ if depends_on_rate(model) => Self::Damped,
             _ => Self::Elastic,
         }
@@ -41,6 +42,9 @@ impl EnergyClass {
 /// Whether a damper of the model has a force. A rate is the place of a damper's knot; a rate factor of a structure is a
 /// prior and small.
 pub fn depends_on_rate(model: &Model) -> bool {
+    if let Model::Own(own) = model {
+        return own.law().depends_on_rate();
+    }
     let values = model.names().into_iter().zip(model.values());
     values.into_iter().any(|(name, value)| value != 0.0 && model.parameter_kind(&name) == Some(ParameterKind::Damping))
 }

@@ -23,7 +23,7 @@ fn model(kind: ModelKind) -> Model {
         ModelKind::Nonlinear2 => return Model::Nonlinear2(table_5()),
         ModelKind::DoubleSpringMassDamper => &[375.0, 1125.0, 9e5, 1e6, 6e3, 9e3],
         ModelKind::TripleSpringMassDamper => &[200.0, 300.0, 1000.0, 8e5, 9e5, 1e6, 6e3, 5e3, 9e3],
-        ModelKind::ForceDeflection | ModelKind::LoadPaths | ModelKind::Chain => &[],
+        ModelKind::ForceDeflection | ModelKind::LoadPaths | ModelKind::Chain | ModelKind::Own => &[],
     };
     let named: BTreeMap<String, f64> =
         kind.parameter_names().iter().map(|n| (*n).to_owned()).zip(values.iter().copied()).collect();

@@ -140,6 +140,11 @@ impl<'a> LinearSystem<'a> {
                 });
             }
             Place::ImpactSpeed | Place::Velocity(_) | Place::Position(_) => {}
+            Place::Law(parameter) => {
+                for connection in 0..self.elements.len() {
+                    self.entries_by(Place::Element { connection, parameter }, tau_s, add);
+                }
+            }
             Place::Element { connection, parameter } => {
                 let law = self.structure.connections()[connection].element.law();
                 let (force, inner) =

@@ -11,7 +11,7 @@ use crate::response::motions::heat_of;
 use crate::series::changes::Changes;
 use crate::series::step::{Series, Step, falls, integral, largest_coefficient, product, value};
 use crate::series::walk::walk;
-use crate::structure::connected_masses::{Form, Node, Place, Structure};
+use crate::structure::connected_masses::{Node, Place, Structure};
 use crate::structure::force_deflection::ForceDeflection;
 use crate::{CrashPulse, Drive, LumpedError, State};
 
@@ -148,12 +148,11 @@ impl<'a> Watch<'a> {
 
     /// The force on the barrier over a step.
     fn see_wall(&mut self, step: &Step) {
-        let is_pressed = self.on_wall.iter().any(|(link, _)| step.links[*link].law != Form::ZERO);
+        let is_pressed = self.on_wall.iter().any(|(link, _)| step.presses(*link));
         if is_pressed {
             let mut force = [0.0; crate::series::step::ORDER + 1];
             for (link, sign) in &self.on_wall {
-                let link = &step.links[*link];
-                force.iter_mut().zip(link.series(&link.law)).for_each(|(sum, term)| *sum += sign * term);
+                force.iter_mut().zip(step.force(*link)).for_each(|(sum, term)| *sum += sign * term);
             }
             largest_coefficient(&force, f64::abs, step.start_s, step.length_s, &mut self.peak_wall_force);
             self.separation_s = None;
@@ -174,7 +173,7 @@ impl<'a> Watch<'a> {
             let [rate_j, damped_j] = if law.has_rate_effect() { [heat_j, 0.0] } else { [0.0, heat_j] };
             ElementState {
                 deflection_m: law.deflection(&strain),
-                force_n: series.law.at(strain),
+                force_n: step.force_at(link, tau),
                 permanent_set_m: branch.set,
                 energy: ElementEnergy { stored_j, plastic_j, rate_j, damped_j },
             }

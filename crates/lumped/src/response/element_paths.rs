@@ -49,13 +49,14 @@ pub fn lead(element: &Element, legs: &[Leg]) -> Result<Vec<PathPoint>, LumpedErr
         walk.step.nodes[0].v[0] = leg.rate_m_per_s;
         let end_s = walk.step.start_s + duration_s;
         walk.follow(&Drive::Impact(0.0), end_s, end_s, |step, _| {
-            let (link, force) = (&step.links[0], step.links[0].series(&step.links[0].law));
+            let (link, force) = (&step.links[0], step.force(0));
             let power = std::array::from_fn(|k| product(&force, &link.w, k));
             work_j += integral(&power, step.length_s);
             true
         })?;
         walk.step.nodes[0].x[0] = contact_m + leg.to_m;
-        let force_n = walk.step.links[0].law.at(walk.step.strain_now(0));
+        walk.step.expand();
+        let force_n = walk.step.force_at(0, 0.0);
         points.push(PathPoint { force_n, work_j, permanent_set_m: walk.step.branches[0].set });
         from_m = leg.to_m;
     }

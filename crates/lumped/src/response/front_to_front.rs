@@ -80,6 +80,9 @@ fn resistance(structure: &Structure, closing: f64) -> [f64; 2] {
     let strain = Strain { w: 0.5 * closing, ..Strain::default() };
     let forms = fronts(structure).into_iter().map(|connection| {
         let law = connection.element.law();
+        if let Some(own) = law.as_own() {
+            return own.slopes(strain);
+        }
         let form = law.force(&law.start(strain));
         [form.w + form.ww * strain.w, form.u + form.uw * strain.w]
     });

@@ -16,6 +16,7 @@ use crate::exact::derivatives::{Driven, Instant};
 use crate::exact::linear_motion::LinearSystem;
 use crate::exact::{crossing, linear_motion};
 use crate::motion::collision::{Meeting, MeetingState};
+use crate::series::expression_series::heat;
 use crate::series::step::{LinkSeries, ORDER, Series, Step, integral, product};
 use crate::series::walk::{Reader, walk};
 use crate::structure::connected_masses::{Branch, Form, Place, Strain, Structure};
@@ -75,6 +76,7 @@ impl Structure {
     fn is_smooth_in(&self, places: &[Place]) -> bool {
         places.iter().all(|place| match place {
             Place::Element { connection, .. } => !self.connections()[*connection].element.law().has_branches(),
+            Place::Law(_) => self.connections().iter().all(|connection| !connection.element.law().has_branches()),
             _ => true,
         })
     }
@@ -360,7 +362,7 @@ impl<'a> Record<'a> {
                 let energies = [heat_j + integral(&heat, tau), work_j + integral(&work, tau)];
                 let felt = |link: usize| {
                     let strain = step.links[link].strain(tau);
-                    (step.links[link].law.at(strain), strain)
+                    (step.force_at(link, tau), strain)
                 };
                 self.add(k, &step.branches, felt, energies);
             }
@@ -385,7 +387,11 @@ impl<'a> Record<'a> {
 /// Power that an element turns into heat, W: force of its damper times the rate of its compression; `None` where it
 /// does not.
 pub(crate) fn heat_of(structure: &Structure, step: &Step, link: usize) -> Option<Series> {
-    let damping = structure.connections()[link].element.law().damping(&step.branches[link]);
+    let law = structure.connections()[link].element.law();
+    if let Some(own) = law.as_own() {
+        return heat(own, &step.branches[link], &step.force(link), &step.links[link].u, &step.links[link].w);
+    }
+    let damping = law.damping(&step.branches[link]);
     if damping == Form::ZERO {
         return None;
     }

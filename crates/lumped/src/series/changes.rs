@@ -15,6 +15,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use crate::Element;
 use crate::exact::derivatives::{ABREAST, FEW, Lanes};
+use crate::series::expression_series::{ExpressionSeries, Partials};
 use crate::series::step::{LinkSeries, ORDER, Series, Step};
 use crate::structure::connected_masses::{Branch, Form, Law, Place, Strain, Structure};
 
@@ -115,11 +116,19 @@ struct Linearised {
     by_w: Series,
     /// Whether these two do not change with the motion.
     is_linear: bool,
+    /// Derivatives of a force that is no form by its parameters; none of others.
+    by_parameter: Vec<Series>,
 }
 
 impl Linearised {
     #[inline(always)]
-    fn new(law: &Form, LinkSeries { u, w, .. }: &LinkSeries, is_mixed: bool) -> Self {
+    fn new(law: &Form, link: &LinkSeries, own: Option<&ExpressionSeries>, is_mixed: bool) -> Self {
+        let LinkSeries { u, w, .. } = link;
+        if let Some(own) = own {
+            let Partials { by_deflection: by_u, by_rate: by_w, by_parameter } = own.partials();
+            let none = [0.0; ORDER + 1];
+            return Self { uu: none, ww: none, uw: none, by_u, by_w, is_linear: false, by_parameter };
+        }
         let uw = if is_mixed { series_product(u, w) } else { [0.0; ORDER + 1] };
         let (mut by_u, mut by_w) = ([0.0; ORDER + 1], [0.0; ORDER + 1]);
         for k in 0..=ORDER {
@@ -128,7 +137,8 @@ impl Linearised {
         by_u[0] += law.u;
         by_w[0] += law.w;
         let is_linear = law.uu == 0.0 && law.ww == 0.0 && law.uw == 0.0;
-        Self { uu: series_product(u, u), ww: series_product(w, w), uw, by_u, by_w, is_linear }
+        let (uu, ww) = (series_product(u, u), series_product(w, w));
+        Self { uu, ww, uw, by_u, by_w, is_linear, by_parameter: Vec::new() }
     }
 
     /// Coefficient `k` of the change of the force with changes of compression and rate; those of the rate come last,
@@ -162,6 +172,7 @@ fn at<const L: usize>(change: &LaneSeries<L>, tau: f64) -> Lanes<L> {
 fn place_in(place: Option<Place>, link: usize) -> Option<usize> {
     match place {
         Some(Place::Element { connection, parameter }) if connection == link => Some(parameter),
+        Some(Place::Law(parameter)) => Some(parameter),
         _ => None,
     }
 }
@@ -190,8 +201,10 @@ impl Changes {
         let links = if law.is_some() { &step.links[..1] } else { &step.links[..] };
         self.linearised.clear();
         arch.dispatch(|| {
-            let linearised = |link: &LinkSeries| Linearised::new(law.as_ref().unwrap_or(&link.law), link, is_mixed);
-            self.linearised.extend(links.iter().map(linearised));
+            let linearised = |(link, own): (&LinkSeries, &Option<ExpressionSeries>)| {
+                Linearised::new(law.as_ref().unwrap_or(&link.law), link, own.as_ref(), is_mixed)
+            };
+            self.linearised.extend(links.iter().zip(&step.own).map(linearised));
         });
         for block in &mut self.blocks {
             arch.dispatch(Expand { block, step, law, linearised: &self.linearised });
@@ -329,7 +342,7 @@ impl<const L: usize> Block<L> {
 struct Expand<'a, const L: usize> {
     block: &'a mut Block<L>,
     step: &'a Step,
-    /// The acceleration of the only mass.
+    /// The acceleration of the only mass, where it is a form.
     law: Option<Form>,
     /// Of each element.
     linearised: &'a [Linearised],
@@ -350,15 +363,23 @@ impl<const L: usize> WithSimd for Expand<'_, L> {
             _ => usize::MAX,
         };
         let masses: [usize; L] = std::array::from_fn(|p| of_mass(&block.places[p]));
+        let places = block.places;
         for k in 0..=ORDER {
             for node in &mut block.nodes {
                 node.a[k] = [0.0; L];
             }
-            for ((link, change), linearised) in step.links.iter().zip(&mut block.links).zip(linearised) {
+            let links = step.links.iter().zip(&mut block.links).zip(linearised);
+            for (at, ((link, change), linearised)) in links.enumerate() {
                 let [front, rear] = link.nodes;
                 change.u[k] = minus(&block.nodes[rear].x[k], &block.nodes[front].x[k]);
                 change.w[k] = minus(&block.nodes[rear].v[k], &block.nodes[front].v[k]);
-                let force = force_change(link, change, linearised, k);
+                let mut force = force_change(link, change, linearised, k);
+                if !linearised.by_parameter.is_empty() {
+                    for (force, place) in force.iter_mut().zip(places) {
+                        let own = place_in(place, at).and_then(|parameter| linearised.by_parameter.get(parameter));
+                        *force += own.map_or(0.0, |by| by[k]);
+                    }
+                }
                 add(&mut block.nodes[rear].a[k], -1.0, &force);
                 add(&mut block.nodes[front].a[k], 1.0, &force);
             }

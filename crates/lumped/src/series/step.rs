@@ -8,6 +8,7 @@
 use crate::exact::crossing::falling_zero;
 use crate::motion::collision::Extremum;
 use crate::motion::mass_motion::Course;
+use crate::series::expression_series::ExpressionSeries;
 use crate::structure::connected_masses::{Branch, Form, Strain, Structure};
 use crate::{Start, State};
 
@@ -68,6 +69,8 @@ pub(crate) struct Step {
     pub nodes: Vec<NodeSeries>,
     pub links: Vec<LinkSeries>,
     pub branches: Vec<Branch>,
+    /// The forces that are no forms.
+    pub own: Vec<Option<ExpressionSeries>>,
     /// How the elements came to their branches at the start.
     pub entered: Vec<Entry>,
     pub input: Input,
@@ -218,17 +221,19 @@ impl Step {
             [node.x[0], node.v[0]] = start.of_mass(mass);
         }
         let zero = [0.0; ORDER + 1];
-        let (mut links, mut branches) = (Vec::new(), Vec::new());
+        let (mut links, mut branches, mut own) = (Vec::new(), Vec::new(), Vec::new());
         for (element, ends) in structure.joined() {
             let law = element.law();
             let branch = law.start(strain_between(&nodes, ends));
             let (force, inner) = (law.force(&branch), law.inner_rate());
             links.push(LinkSeries { nodes: ends, law: force, inner, u: zero, w: zero, z: zero, force: zero });
+            own.push(ExpressionSeries::of_element(law, &branch));
             branches.push(branch);
         }
         let per_mass = structure.masses_kg().iter().map(|mass| mass.recip()).collect();
         let entered = Vec::new();
-        Self { start_s: 0.0, length_s: 0.0, nodes, links, branches, entered, input: Input::default(), per_mass }
+        let input = Input::default();
+        Self { start_s: 0.0, length_s: 0.0, nodes, links, branches, own, entered, input, per_mass }
     }
 
     /// The Taylor coefficients from the values at the start, which stand in place 0.
@@ -236,7 +241,7 @@ impl Step {
     /// Some `ORDER²` products for every square that a force has.
     pub fn expand(&mut self) {
         let Some(law) = self.law_of_one_mass() else {
-            recurrence(&mut self.nodes, &mut self.links, &self.per_mass, &self.input);
+            recurrence(&mut self.nodes, &mut self.links, &mut self.own, &self.per_mass, &self.input);
             return;
         };
         self.nodes[0].fall(&law);
@@ -297,6 +302,9 @@ impl Step {
         let [_, barrier] = &self.nodes[..] else { return None };
         let is_free = self.input.mass.is_none() && self.barrier_rests() && barrier.x[0] == 0.0;
         let mut sum = Form::ZERO;
+        if self.own.iter().any(Option::is_some) {
+            return None;
+        }
         for link in &self.links {
             if !is_free || link.nodes != [1, 0] || link.inner.is_some() {
                 return None;
@@ -304,6 +312,27 @@ impl Step {
             sum = sum.plus(-self.per_mass[0], &link.law);
         }
         Some(sum)
+    }
+
+    /// The series of the force of an element.
+    pub fn force(&self, link: usize) -> Series {
+        match self.own[link] {
+            Some(_) => self.links[link].force,
+            None => self.links[link].series(&self.links[link].law),
+        }
+    }
+
+    /// The force of an element at `tau` after the start, N.
+    pub fn force_at(&self, link: usize, tau: f64) -> f64 {
+        match self.own[link] {
+            Some(_) => value(&self.links[link].force, tau),
+            None => self.links[link].law.at(self.links[link].strain(tau)),
+        }
+    }
+
+    /// Whether an element has a force on its branch.
+    pub fn presses(&self, link: usize) -> bool {
+        self.own[link].is_some() || self.links[link].law != Form::ZERO
     }
 
     /// What an element feels at the start.
@@ -320,7 +349,13 @@ fn strain_between(nodes: &[NodeSeries], [front, rear]: [usize; 2]) -> Strain {
 }
 
 /// See [`Step::expand`].
-fn recurrence(nodes: &mut [NodeSeries], links: &mut [LinkSeries], per_mass: &[f64], input: &Input) {
+fn recurrence(
+    nodes: &mut [NodeSeries],
+    links: &mut [LinkSeries],
+    own: &mut [Option<ExpressionSeries>],
+    per_mass: &[f64],
+    input: &Input,
+) {
     let barrier = nodes.len() - 1;
     for k in 0..=ORDER {
         for node in &mut *nodes {
@@ -329,7 +364,7 @@ fn recurrence(nodes: &mut [NodeSeries], links: &mut [LinkSeries], per_mass: &[f6
         if let Some(mass) = input.mass {
             nodes[mass].a[k] = input.terms[k];
         }
-        for link in &mut *links {
+        for (link, own) in links.iter_mut().zip(&mut *own) {
             let [front, rear] = link.nodes;
             let law = &link.law;
             let (u, w) = (nodes[rear].x[k] - nodes[front].x[k], nodes[rear].v[k] - nodes[front].v[k]);
@@ -346,6 +381,9 @@ fn recurrence(nodes: &mut [NodeSeries], links: &mut [LinkSeries], per_mass: &[f6
                 if k < ORDER {
                     link.z[k + 1] = (inner.u * u + inner.w * w + inner.z * z) / (k + 1) as f64;
                 }
+            }
+            if let Some(own) = own {
+                force += own.term(k, &link.u, &link.w);
             }
             link.force[k] = force;
             nodes[rear].a[k] -= force;

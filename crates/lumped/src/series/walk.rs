@@ -27,6 +27,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use crate::exact::crossing::falling_zero;
 use crate::series::changes::Changes;
+use crate::series::expression_series::ExpressionSeries;
 use crate::series::step::{
     Entry, Input, LinkSeries, NOTHING_M, ORDER, PARTS, Series, Step, horner, largest, turns, value, values,
 };
@@ -72,6 +73,7 @@ impl Walk<'_> {
         self.step.entered.push(Entry { link, before, after });
         self.step.branches[link] = after;
         self.step.links[link].law = law.force(&after);
+        self.step.own[link] = ExpressionSeries::of_element(law, &after);
         self.gather_guards();
     }
 

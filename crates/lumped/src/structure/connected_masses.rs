@@ -18,6 +18,7 @@ use crate::motion::collision::ElementEvent;
 use crate::structure::crush_curve::Extrapolation;
 use crate::structure::elements::{Damper, PlasticSpring, SeriesSpringDamper, Spring};
 use crate::structure::force_deflection::ForceDeflection;
+use crate::structure::own_force::OwnForce;
 
 /// What an element is fixed to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -52,6 +53,8 @@ pub enum Place {
     Velocity(usize),
     /// The position of the mass of this index at the start, m.
     Position(usize),
+    /// A parameter of a law of one's own, wherever it stands among its elements.
+    Law(usize),
     /// A parameter of an element, counted as the element says.
     Element {
         /// Index of the connection.
@@ -173,6 +176,7 @@ impl Structure {
         let exists = |place: &Place| match *place {
             Place::ImpactSpeed => true,
             Place::Mass(i) | Place::Velocity(i) | Place::Position(i) => i < self.masses_kg.len(),
+            Place::Law(parameter) => self.connections.iter().any(|c| parameter < c.element.law().parameters()),
             Place::Element { connection, parameter } => {
                 self.connections.get(connection).is_some_and(|c| parameter < c.element.law().parameters())
             }
@@ -236,6 +240,8 @@ elements! {
     PlasticSpring,
     /// A structure that is crushed: a curve of force over deflection with an unloading stiffness.
     ForceDeflection,
+    /// A force that a person states.
+    OwnForce,
 }
 
 /// What an element feels: its compression `u` (m), the rate `w` of it (m/s) and its inner state `z` (m, zero for
@@ -392,6 +398,11 @@ pub trait Law {
     /// Whether that heat is the rate effect of a structure and not of a damper.
     fn has_rate_effect(&self) -> bool {
         false
+    }
+
+    /// The law of one's own that it is: its force need not be a form.
+    fn as_own(&self) -> Option<&OwnForce> {
+        None
     }
 
     /// Symbols of the parts whose forces are written: springs `k`, dampers `c`.

@@ -7,6 +7,7 @@ mod energy;
 mod equal_roots;
 mod force_deflection;
 mod known_truth;
+mod own_law;
 mod properties;
 mod secant_chain;
 mod structure;

@@ -212,7 +212,7 @@ fn model(kind: ModelKind) -> Model {
         }
         ModelKind::DoubleSpringMassDamper => &[300.0, 900.0, 5e5, 7e5, 6e3, 9e3],
         ModelKind::TripleSpringMassDamper => &[150.0, 200.0, 900.0, 6e5, 5e5, 7e5, 6e3, 4e3, 9e3],
-        ModelKind::ForceDeflection | ModelKind::LoadPaths | ModelKind::Chain => &[],
+        ModelKind::ForceDeflection | ModelKind::LoadPaths | ModelKind::Chain | ModelKind::Own => &[],
     };
     let named: BTreeMap<String, f64> =
         kind.parameter_names().iter().map(|n| (*n).to_owned()).zip(values.iter().copied()).collect();

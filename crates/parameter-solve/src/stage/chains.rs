@@ -1,8 +1,10 @@
-//! The chains that a pipeline file states, `[parameter-solve.chain.<name>]`: the table, and the fits.
+//! What a person states: chains of the pipeline file, `[parameter-solve.chain.<name>]`, and own models. The table, and
+//! the fits of both.
 
-use crumple_lumped::{Chain, ParameterKind};
+use crumple_lumped::{Chain, ModelKind, OwnModel, ParameterKind};
 use crumple_lumped_fit::{
-    Candidate, Observation, ObservedWave, SensorPlace, Stated, StatedChain, StatedElement, StatedMass,
+    Candidate, Observation, ObservedWave, SensorPlace, SolveError, Stated, StatedChain, StatedElement, StatedMass,
+    fit_own_model,
 };
 use crumple_numerics::estimation::work::determined;
 use crumple_signal::{About, Note, Weight, remarks};
@@ -16,6 +18,7 @@ use toml::Value;
 use crate::stage::AtSearchLimit;
 use crate::stage::assess::{assess_each, assess_fit};
 use crate::stage::inputs::{see, sensor_wave, stated_places};
+use crate::stage::own_models::StatedLaw;
 use crate::stage::settings::StageSettings;
 
 // The table: a chain of masses of which some numbers are to be found.
@@ -50,11 +53,6 @@ impl FittedChain {
         Ok(Self { name: name.to_owned(), masses, elements })
     }
 
-    /// Whether its last mass is an occupant, behind the compartment: whether it is called so.
-    pub fn has_occupant(&self) -> bool {
-        self.masses.len() > 1 && self.masses.last().is_some_and(|name| name == "occupant")
-    }
-
     /// What is fitted.
     pub fn stated(&self, total_mass_kg: Option<f64>) -> StatedChain {
         StatedChain { elements: self.elements.clone(), total_mass_kg }
@@ -72,20 +70,93 @@ fn stated(number: NumberOfTable) -> Option<Stated> {
 
 // The fits.
 
+/// What is fitted: a chain, or an own model.
+struct StatedModel<'a> {
+    name: &'a str,
+    /// `chain/<name>`, `own/<name>`.
+    id: String,
+    masses: Vec<String>,
+    /// Whether the last mass is an occupant, behind the compartment: whether a chain calls it so.
+    has_occupant: bool,
+    /// Where it is stated.
+    place: String,
+    law: Law<'a>,
+}
+
+/// Its law.
+enum Law<'a> {
+    Chain(&'a FittedChain),
+    Own(&'a StatedLaw),
+}
+
+impl<'a> StatedModel<'a> {
+    fn of_chain(chain: &'a FittedChain) -> Self {
+        let masses = chain.masses.clone();
+        Self {
+            name: &chain.name,
+            id: format!("{}/{}", ModelKind::Chain, chain.name),
+            has_occupant: masses.len() > 1 && masses.last().is_some_and(|name| name == "occupant"),
+            masses,
+            place: format!("[parameter-solve.chain.{}] of the pipeline file", chain.name),
+            law: Law::Chain(chain),
+        }
+    }
+
+    fn of_law(stated: &'a StatedLaw) -> Self {
+        Self {
+            name: &stated.name,
+            id: format!("{}/{}", ModelKind::Own, stated.name),
+            has_occupant: false,
+            masses: stated.law.mass_names(),
+            place: "docs/how-to/own-model.md".to_owned(),
+            law: Law::Own(stated),
+        }
+    }
+
+    fn fit(&self, total_kg: Option<f64>, observed: &Observation, starts: usize) -> Result<Vec<Candidate>, SolveError> {
+        match self.law {
+            Law::Chain(chain) => chain.stated(total_kg).fit(observed, starts),
+            Law::Own(stated) => fit_own_model(&stated.law, total_kg, observed, starts),
+        }
+    }
+
+    /// Where its law stands, in words.
+    fn stated_where(&self) -> &'static str {
+        match self.law {
+            Law::Chain(_) => "stated in the pipeline",
+            Law::Own(_) => "stated in a model file",
+        }
+    }
+
+    /// Why no start of an own model moved.
+    fn fault(&self, total_kg: Option<f64>, speed_m_per_s: f64) -> Option<String> {
+        let Law::Own(stated) = self.law else { return None };
+        let start = OwnModel::at_start(stated.law.clone(), total_kg.unwrap_or(0.0)).ok()?;
+        Some(start.fault_at(speed_m_per_s).unwrap_or_else(|| "no start has a motion that can be followed".to_owned()))
+    }
+}
+
+/// `chain/light` in a sentence: `chain light`.
+pub(super) fn called(id: &str) -> String {
+    id.strip_prefix("chain/").map_or_else(|| id.to_owned(), |name| format!("chain {name}"))
+}
+
 /// A sensor on a mass of the chain.
 struct Sensor {
     channel: String,
     place: SensorPlace,
 }
 
-/// Candidates of every chain, assessed.
-pub fn fit_chains(
+/// Candidates of every chain and own model, assessed.
+pub fn fit_stated(
     settings: &StageSettings,
     input: &Inputs,
     events: Option<&EventsV1>,
     out: &mut Output,
 ) -> anyhow::Result<Vec<Candidate>> {
-    if settings.chain.is_empty() {
+    let stated = settings.chain.iter().map(StatedModel::of_chain).chain(settings.own.iter().map(StatedModel::of_law));
+    let stated: Vec<StatedModel<'_>> = stated.collect();
+    if stated.is_empty() {
         return Ok(Vec::new());
     }
     let events = events.ok_or_else(|| input.missing("/events"))?;
@@ -100,17 +171,24 @@ pub fn fit_chains(
     })?;
     settings.assessment.check(total_kg, speed)?;
     let mut candidates = Vec::new();
-    for chain in &settings.chain {
+    for chain in &stated {
         let (observed, sensors) = waves(chain, settings, input, events, speed, out)?;
-        let hint = format!("see [parameter-solve.chain.{}] of the pipeline file", chain.name);
-        let (stated, starts) = (chain.stated(total_kg), settings.solve.fit_starts);
+        let hint = format!("see {}", chain.place);
+        let starts = settings.solve.fit_starts;
         let limited = observed.clone().limited(settings.solve.searches());
-        let fitted = determined(|| stated.fit(&limited, starts)).unwrap_or_else(|reason| {
-            out.notes().push(ChainNotFitted { chain: chain.name.clone(), reason: reason.to_string() });
+        let fitted = determined(|| chain.fit(total_kg, &limited, starts)).unwrap_or_else(|reason| {
+            out.notes().push(ChainNotFitted { chain: chain.id.clone(), reason: reason.to_string() });
             Ok(Vec::new())
         });
+        let fitted = match (fitted, chain.fault(total_kg, speed)) {
+            (Err(SolveError::NoFit { .. }), Some(reason)) => {
+                out.notes().push(ChainNotFitted { chain: chain.id.clone(), reason });
+                Ok(Vec::new())
+            }
+            (fitted, _) => fitted,
+        };
         let mut fitted = fitted.refuse_with_hint(hint)?;
-        fitted.iter_mut().for_each(|fitted| fitted.stated = Some(chain.name.clone()));
+        fitted.iter_mut().for_each(|fitted| fitted.stated = Some(chain.name.to_owned()));
         let mass_kg = |candidate: &Candidate| total_kg.unwrap_or_else(|| candidate.model.masses_kg().iter().sum());
         let asked = &settings.assessment;
         assess_each(&mut fitted, asked, out, |candidate| assess_fit(candidate, asked, Some(mass_kg(candidate))));
@@ -118,7 +196,7 @@ pub fn fit_chains(
         if let Some((test_kg, best)) = total_kg.zip(fitted.first())
             && total_mass_remark(&best.model.masses_kg(), test_kg).is_some()
         {
-            let (chain, chain_kg) = (chain.name.clone(), best.model.masses_kg().iter().sum::<f64>());
+            let (chain, chain_kg) = (chain.id.clone(), best.model.masses_kg().iter().sum::<f64>());
             let difference_percent = 100.0 * (chain_kg / test_kg - 1.0);
             out.notes().push(ChainOfAnotherMass { chain, chain_kg, test_kg, difference_percent });
         }
@@ -155,10 +233,10 @@ fn name_sensors(candidate: &mut Candidate, sensors: &[Sensor]) {
 }
 
 /// Warnings on what the record does not decide.
-fn warn_of_what_is_undecided(chain: &FittedChain, fitted: &[Candidate], out: &mut Output) {
+fn warn_of_what_is_undecided(chain: &StatedModel<'_>, fitted: &[Candidate], out: &mut Output) {
     let duals = fitted.iter().filter(|candidate| candidate.equivalent_to.is_some()).count() / 2;
     let (sets, notes) = (fitted.len() - duals, out.notes());
-    let chain = || chain.name.clone();
+    let chain = || chain.id.clone();
     if sets > 1 {
         notes.push(SeveralSetsOfChain { chain: chain(), sets });
     }
@@ -167,7 +245,7 @@ fn warn_of_what_is_undecided(chain: &FittedChain, fitted: &[Candidate], out: &mu
         notes.push(ChainNotIdentified { chain: chain(), directions, free, names, weakest });
     }
     if let Some(fit) = best.fit.as_ref().filter(|fit| !fit.active_bounds.is_empty()) {
-        notes.push(AtSearchLimit { id: format!("chain/{}", chain()), names: fit.active_bounds.join(", ") });
+        notes.push(AtSearchLimit { id: chain(), names: fit.active_bounds.join(", ") });
     }
     if let Some((dual, springs)) = dual_of(best) {
         notes.push(DualOfChain { chain: chain(), dual, springs });
@@ -207,7 +285,7 @@ fn dual_in_words(id: Option<&str>, springs: &[String]) -> String {
 
 /// The waves to fit, and the sensors they are of.
 fn waves(
-    chain: &FittedChain,
+    chain: &StatedModel<'_>,
     settings: &StageSettings,
     input: &Inputs,
     events: &EventsV1,
@@ -224,9 +302,9 @@ fn waves(
         if place == SensorPlace::Wall {
             continue;
         }
-        let mass = if chain.has_occupant() { place.mass_before_occupant(masses) } else { place.mass(masses) };
+        let mass = if chain.has_occupant { place.mass_before_occupant(masses) } else { place.mass(masses) };
         let Some(mass) = mass else {
-            let (chain, channel) = (chain.name.clone(), sensor.channel.clone());
+            let (chain, channel) = (chain.id.clone(), sensor.channel.clone());
             out.notes().push(SensorOffTheChain { chain, channel, place: place.to_string() });
             continue;
         };
@@ -279,7 +357,7 @@ impl Unidentified {
 
 /// What stands in the record of a fitted chain, in words.
 fn notes(
-    chain: &FittedChain,
+    chain: &StatedModel<'_>,
     candidate: &Candidate,
     observed: &Observation,
     sensors: &[Sensor],
@@ -291,7 +369,7 @@ fn notes(
     let given: Vec<&str> = parameters.keys().filter(|name| !free.contains(name)).map(String::as_str).collect();
     let mut notes = vec![
         format!("masses from the barrier on: {}", chain.masses.join(", ")),
-        format!("stated in the pipeline; fitted: {}", free.join(", ")),
+        format!("{}; fitted: {}", chain.stated_where(), free.join(", ")),
     ];
     if !given.is_empty() {
         notes.push(format!("given: {}", given.join(", ")));
@@ -319,12 +397,12 @@ remarks! {
 
     /// The fit of a stated chain reached its limit of work, or its computation failed.
     CR543 ChainNotFitted { chain: String, reason: String }
-    bears on (About::Model(format!("chain/{chain}")), Weight::Marked)
+    bears on (About::Model(chain.clone()), Weight::Marked)
     decided "A fit may take the work of 250 million samples, some 2.5 s of one processor, and searches with more \
              evaluations in proportion. The fits of an ordinary record take a hundredth of it."
     means "The chain has no candidate. Other chains and models are not touched by it."
     remedy "give some of its numbers, or bound those that are free"
-    says format!("chain {chain}: {reason}");
+    says format!("{}: {reason}", called(chain));
 
     /// The masses of a chain do not add up to the mass of the test.
     CR544 ChainOfAnotherMass { chain: String, chain_kg: f64, test_kg: f64, difference_percent: f64 }
@@ -334,7 +412,7 @@ remarks! {
     remedy "make one of the masses \"rest\" in the pipeline file, or correct the mass of the test"
     says {
         let text = total_mass_remark(&[*chain_kg], *test_kg).unwrap_or_default();
-        format!("chain {chain}: {text}")
+        format!("{}: {text}", called(chain))
     };
 
     /// Profile, bootstrap or repetitions of a chain were asked for and gave no result.
@@ -347,19 +425,20 @@ remarks! {
 
     /// Several sets of parameters of a chain follow the record as well as the best one.
     CR546 SeveralSetsOfChain { chain: String, sets: usize }
-    bears on (About::Model(format!("chain/{chain}")), Weight::Marked)
+    bears on (About::Model(chain.clone()), Weight::Marked)
     decided "Sets count whose errors are within 1 % of the least; a dual pair counts once."
     means "The motion of the chain holds where sensors are. Any of the sets may be the vehicle."
     remedy "give some of its numbers, or name sensors on further masses"
     says format!(
-        "chain {chain}: the parameters are not identifiable from this record: {sets} sets fit within 1 % of the best"
+        "{}: the parameters are not identifiable from this record: {sets} sets fit within 1 % of the best",
+        called(chain)
     );
 
     /// Free numbers of a chain have no interval: the record does not identify them.
     CR547 ChainNotIdentified {
         chain: String, directions: usize, free: usize, names: Vec<String>, weakest: Option<String>
     }
-    bears on (About::Model(format!("chain/{chain}")), Weight::Marked)
+    bears on (About::Model(chain.clone()), Weight::Marked)
     decided "The number of directions is the rank of the sensitivities at the minimum. A number is named where its 95 \
              % interval is open on both sides."
     means "Other values of these numbers follow the record as well. Quote no value for them."
@@ -367,25 +446,25 @@ remarks! {
     says {
         let (directions, free) = (*directions, *free);
         let left = Unidentified { directions, free, names: names.clone(), weakest: weakest.clone() };
-        format!("chain {chain}: {}", left.in_words())
+        format!("{}: {}", called(chain), left.in_words())
     };
 
     /// A chain of two masses has a dual with the same motion of the last mass.
     CR548 DualOfChain { chain: String, dual: Option<String>, springs: Vec<String> }
-    bears on (About::Model(format!("chain/{chain}")), Weight::Marked)
+    bears on (About::Model(chain.clone()), Weight::Marked)
     decided "Two masses with constant springs and dampers have two sets of them with one motion of the last mass \
              (docs/methods/parameter-solve.md)."
     means "Motion and crush hold. The record does not tell which springs and dampers the vehicle has."
     remedy "name a sensor on the mass next to the barrier: sensors"
-    says format!("chain {chain}: {}", dual_in_words(dual.as_deref(), springs));
+    says format!("{}: {}", called(chain), dual_in_words(dual.as_deref(), springs));
 
     /// Masses of a chain were fitted, and one sensor does not show how they divide.
     CR549 DivisionUndecided { chain: String }
-    bears on (About::Model(format!("chain/{chain}")), Weight::Marked)
+    bears on (About::Model(chain.clone()), Weight::Marked)
     decided "Masses are free, and all sensors are on the last mass."
     means "Any division of the mass follows the record: quote none of the masses. The chain is not recommended."
     remedy "give a mass, or name a sensor on another mass: sensors"
-    says format!("chain {chain}: {DIVISION}");
+    says format!("{}: {DIVISION}", called(chain));
 
     /// A sensor is on a part that the chain does not have.
     CR550 SensorOffTheChain { chain: String, channel: String, place: String }
@@ -393,7 +472,7 @@ remarks! {
     decided "The place of the sensor is looked for among the masses of the chain."
     means "The chain is fitted without this sensor."
     remedy "nothing, or state the mass in the chain"
-    says format!("chain {chain}: sensor {channel} is on the {place}, which this chain does not have: not fitted");
+    says format!("{}: sensor {channel} is on the {place}, which it does not have: not fitted", called(chain));
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ mod comparison;
 mod identified;
 mod inputs;
 mod options;
+mod own_models;
 mod recommendation;
 mod records;
 mod settings;
@@ -22,7 +23,7 @@ use crumple_stage::records::{EventsV1, TestV1};
 use crumple_stage::{Inputs, LeftOut, Loaded, Outcome, Output, Stage, Tests};
 
 use crate::stage::assess::assess_all;
-use crate::stage::chains::fit_chains;
+use crate::stage::chains::{called, fit_stated};
 use crate::stage::identified::{from_exponentials, from_models, maxwell_candidates};
 use crate::stage::inputs::{
     Displaced, Record, from_events, not_slowed, pulse_displacement, up_to_the_end_of_the_event,
@@ -112,7 +113,7 @@ impl Stage for ParameterSolve {
         candidates.extend(of_identified_models(settings, input, mass_kg, out)?);
         warn_of_flags_without_effect(settings, &candidates, out);
         warn_of_bounds(&candidates, out);
-        candidates.extend(fit_chains(settings, input, events.as_ref(), out)?);
+        candidates.extend(fit_stated(settings, input, events.as_ref(), out)?);
         let channel = events.as_ref().map_or("", |events| &events.channel);
         if candidates.is_empty() {
             return Ok(none_solved(out));
@@ -224,7 +225,7 @@ remarks! {
     means "The limit makes the value, not the vehicle. It has no interval."
     remedy "quote no value for these parameters; use a model with fewer of them, or a sensor on each mass"
     says {
-        let called = id.strip_prefix("chain/").map_or_else(|| id.clone(), |name| format!("chain {name}"));
+        let called = called(id);
         format!("{called}: parameters at a search limit, not identifiable from this record: {names}")
     };
 }

@@ -13,6 +13,8 @@ use crumple_signal::Uncertain;
 use crumple_signal::value::{Acceleration, Mass, Speed, Time};
 use serde::{Deserialize, Serialize, Serializer};
 
+use crate::stage::own_models::{AskedModel, ModelParser};
+
 // Values by their names.
 
 /// A value by its name, read alike from a flag and from a pipeline file.
@@ -92,7 +94,11 @@ fn models_help() -> String {
         .copied()
         .filter(|model| !SolveSettings::default_models().contains(model))
         .collect();
-    format!("Models to solve for: {} [default: all but {}]", names(SolveSettings::all_models()), names(&left_out))
+    format!(
+        "Models to solve for: {}, files of own models (my_car.toml) [default: all families but {}]",
+        names(SolveSettings::all_models()),
+        names(&left_out)
+    )
 }
 
 /// `--method`, from the table of solvers.
@@ -124,8 +130,8 @@ pub struct Options {
     // The texts of these two come from the table of solvers.
     #[allow(missing_docs, reason = "the help text is made from the table")]
     #[arg(long, value_name = "NAME", value_delimiter = ',', help = models_help(), hide_possible_values = true,
-        value_parser = one_of::<ModelKind>(SolveSettings::all_models().iter().map(|model| model.name()).collect()))]
-    pub models: Vec<Named<ModelKind>>,
+        value_parser = ModelParser)]
+    pub models: Vec<Named<AskedModel>>,
 
     #[allow(missing_docs, reason = "the help text is made from the table")]
     #[arg(long, value_name = "NAME", value_delimiter = ',', help = methods_help(), hide_possible_values = true,

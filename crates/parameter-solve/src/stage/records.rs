@@ -67,6 +67,7 @@ fn record(candidate: &Candidate, channel: &str) -> CandidateV1 {
     CandidateV1 {
         model: candidate.model.kind().name().to_owned(),
         method: candidate.found_by().to_owned(),
+        law: candidate.model.law().map(str::to_owned),
         parameters: candidate.model.parameters(),
         physical: candidate.model.is_physical(),
         equivalent_to: candidate.equivalent_id(),
@@ -126,6 +127,7 @@ fn parameters_line(candidate: &Candidate, record: &CandidateV1) -> String {
                 ParameterKind::RateFactor => format!("{symbol} {value:.4} s/m"),
                 ParameterKind::Length => format!("{symbol} {:.1} mm", 1e3 * value),
                 ParameterKind::Mass => format!("{symbol} {value:.1} kg"),
+                ParameterKind::Other => format!("{name} {value:.4}"),
             }
         })
         .map(|text| text.replace('_', " "))

@@ -14,6 +14,7 @@ use serde::{Serialize, Serializer};
 
 use crate::stage::chains::FittedChain;
 use crate::stage::options::{Named, Options, Paper, PlacedSensor};
+use crate::stage::own_models::{AskedModel, StatedLaw, read_laws};
 
 /// Between 15 and 35 % in front, transverse engines and long fronts alike.
 const FRONT_MASS_UNCERTAINTY: f64 = 0.1;
@@ -35,6 +36,8 @@ pub struct StageSettings {
     pub assessment: AssessmentSettings,
     /// Chains to be fitted.
     pub chain: Vec<FittedChain>,
+    /// Own models to be fitted.
+    pub own: Vec<StatedLaw>,
     /// What the library is asked for.
     pub solve: SolveSettings,
     /// How a candidate is chosen.
@@ -65,7 +68,8 @@ impl TryFrom<Options> for StageSettings {
             );
         }
         let default = SolveSettings::default();
-        let named: Vec<ModelKind> = options.models.iter().map(|model| model.0).collect();
+        let family = |model: &Named<AskedModel>| if let AskedModel::Family(kind) = model.0 { Some(kind) } else { None };
+        let named: Vec<ModelKind> = options.models.iter().filter_map(family).collect();
         if let Some(kind) = named.iter().find(|kind| !SolveSettings::all_models().contains(kind)) {
             let names: Vec<_> = SolveSettings::all_models().iter().map(|model| model.name()).collect();
             return Err(Usage::new(format!("there is no solver for the model {kind}"))
@@ -74,7 +78,7 @@ impl TryFrom<Options> for StageSettings {
         }
         let methods: Vec<Method> = options.method.iter().map(|method| method.0).collect();
         let solve = SolveSettings {
-            models: if named.is_empty() { default.models } else { once(&named) },
+            models: if options.models.is_empty() { default.models } else { once(&named) },
             methods: once(&methods),
             split: mass_split(&options),
             triple: triple_masses(&options)?,
@@ -99,6 +103,7 @@ impl TryFrom<Options> for StageSettings {
         let chain = options.chain.iter().map(|(name, table)| FittedChain::read(name, table));
         Ok(Self {
             chain: chain.collect::<Result<_, _>>()?,
+            own: read_laws(&options.models)?,
             selection: selection_rules(&options)?,
             assessment: assessment_settings(&options)?,
             mass_kg: options.mass.map(Mass::si),
@@ -325,6 +330,9 @@ impl Serialize for StageSettings {
         if !self.chain.is_empty() {
             map.serialize_entry("chain", &self.chain)?;
         }
+        if !self.own.is_empty() {
+            map.serialize_entry("own", &self.own)?;
+        }
         map.end()
     }
 }
@@ -397,7 +405,7 @@ mod tests {
         let error = toml::from_str::<Options>("method = [\"closed-from\"]").unwrap_err().to_string();
         assert!(error.contains("unknown method \"closed-from\", expected one of closed-form"), "{error}");
         assert!(toml::from_str::<Options>("models = [\"quadruple\"]").is_err());
-        let options = Options { models: vec![Named(ModelKind::Chain)], ..Options::default() };
+        let options = Options { models: vec![Named(AskedModel::Family(ModelKind::Chain))], ..Options::default() };
         assert!(StageSettings::try_from(options).unwrap_err().to_string().contains("no solver for the model chain"));
     }
 
@@ -438,7 +446,7 @@ mod tests {
         let json = |options| serde_json::to_string(&StageSettings::try_from(options).unwrap()).unwrap();
         let default = json(Options::default());
         for options in [
-            Options { models: vec![Named(ModelKind::Kelvin)], ..Options::default() },
+            Options { models: vec![Named(AskedModel::Family(ModelKind::Kelvin))], ..Options::default() },
             Options { method: vec![Named(Method::ClosedForm)], ..Options::default() },
             Options { mass: Some(Mass::from_si(900.0)), ..Options::default() },
             Options { m1: Some(Mass::from_si(900.0)), ..Options::default() },

@@ -5,4 +5,5 @@
 mod command;
 mod command_chain;
 mod command_models;
+mod command_own;
 mod sensor_assessment;

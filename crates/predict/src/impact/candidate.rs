@@ -89,6 +89,7 @@ impl Candidate {
                 | Model::DoubleSpringMassDamper(_)
                 | Model::TripleSpringMassDamper(_),
             ) => "constant stiffness and damping",
+            Ok(Model::Own(_)) => "its own law",
             Ok(Model::Chain(_)) => "the last values of its stiffnesses and dampings",
             _ => "the trend of its curve",
         }

@@ -41,36 +41,18 @@ impl Directions {
     /// wider than a factor of 2 is limited to it.
     pub fn of(candidate: &Candidate) -> Self {
         let Some(spread) = &candidate.spread else { return Self(Vec::new()) };
+        let (names, covariance) = log_covariance(candidate).unwrap_or((Vec::new(), DMatrix::zeros(0, 0)));
         let value = |name: &str| candidate.value(name).unwrap_or(0.0);
         let deviation = |name: &str| spread.standard_deviation.get(name).copied().filter(|d| d.is_finite() && *d > 0.0);
-        let rows = spread.order.iter().enumerate().filter(|(_, name)| deviation(name).is_some());
-        let (at_zero, free): (Vec<_>, Vec<_>) = rows.partition(|(_, name)| value(name) == 0.0);
-        let correlation = |rows: &[(usize, &String)], columns: &[(usize, &String)]| {
-            DMatrix::from_fn(rows.len(), columns.len(), |i, j| {
-                let (row, column) = (rows[i].0, columns[j].0);
-                let stated = spread.correlation.get(row).and_then(|row| row.get(column));
-                stated.copied().unwrap_or(if row == column { 1.0 } else { 0.0 })
-            })
-        };
-        let mut covariance = correlation(&free, &free);
-        if let Some(inverse) = correlation(&at_zero, &at_zero).try_inverse() {
-            let across = correlation(&free, &at_zero);
-            covariance -= &across * inverse * across.transpose();
-        }
-        let scale: Vec<f64> = free.iter().map(|(_, name)| deviation(name).unwrap_or(0.0) / value(name).abs()).collect();
-        for (i, j) in (0..scale.len()).flat_map(|i| (0..scale.len()).map(move |j| (i, j))) {
-            covariance[(i, j)] *= scale[i] * scale[j];
-        }
-        let names: Vec<&String> = free.iter().map(|(_, name)| *name).collect();
         let mut directions = principal(&names, covariance);
         let parameters = candidate.model.as_ref().map(Model::parameters).unwrap_or_default();
         let others = parameters.keys().filter(|name| {
             let is_open = spread.open.contains(name);
-            value(name) != 0.0 && !names.contains(name) && (is_open || deviation(name).is_some())
+            value(name) != 0.0 && !names.contains(*name) && (is_open || deviation(name).is_some())
         });
         for name in others {
             let known = deviation(name).map(|d| d / value(name).abs()).filter(|_| !spread.open.contains(name));
-            directions.push(direction(&[name], &[1.0], known.unwrap_or(f64::INFINITY)));
+            directions.push(direction(std::slice::from_ref(name), &[1.0], known.unwrap_or(f64::INFINITY)));
         }
         Self(directions)
     }
@@ -81,7 +63,34 @@ impl Directions {
     }
 }
 
-fn principal(names: &[&String], covariance: DMatrix<f64>) -> Vec<Direction> {
+/// The parameters of a candidate with a deviation, and the covariance of their logarithms; a parameter at zero stays
+/// there, and the others are conditioned on it. `None` where nothing is known of them.
+pub(crate) fn log_covariance(candidate: &Candidate) -> Option<(Vec<String>, DMatrix<f64>)> {
+    let spread = candidate.spread.as_ref()?;
+    let value = |name: &str| candidate.value(name).unwrap_or(0.0);
+    let deviation = |name: &str| spread.standard_deviation.get(name).copied().filter(|d| d.is_finite() && *d > 0.0);
+    let rows = spread.order.iter().enumerate().filter(|(_, name)| deviation(name).is_some());
+    let (at_zero, free): (Vec<_>, Vec<_>) = rows.partition(|(_, name)| value(name) == 0.0);
+    let correlation = |rows: &[(usize, &String)], columns: &[(usize, &String)]| {
+        DMatrix::from_fn(rows.len(), columns.len(), |i, j| {
+            let (row, column) = (rows[i].0, columns[j].0);
+            let stated = spread.correlation.get(row).and_then(|row| row.get(column));
+            stated.copied().unwrap_or(if row == column { 1.0 } else { 0.0 })
+        })
+    };
+    let mut covariance = correlation(&free, &free);
+    if let Some(inverse) = correlation(&at_zero, &at_zero).try_inverse() {
+        let across = correlation(&free, &at_zero);
+        covariance -= &across * inverse * across.transpose();
+    }
+    let scale: Vec<f64> = free.iter().map(|(_, name)| deviation(name).unwrap_or(0.0) / value(name).abs()).collect();
+    for (i, j) in (0..scale.len()).flat_map(|i| (0..scale.len()).map(move |j| (i, j))) {
+        covariance[(i, j)] *= scale[i] * scale[j];
+    }
+    Some((free.into_iter().map(|(_, name)| name.clone()).collect(), covariance))
+}
+
+fn principal(names: &[String], covariance: DMatrix<f64>) -> Vec<Direction> {
     if names.is_empty() || covariance.iter().any(|c| !c.is_finite()) {
         return Vec::new();
     }
@@ -94,11 +103,11 @@ fn principal(names: &[&String], covariance: DMatrix<f64>) -> Vec<Direction> {
 }
 
 /// One standard deviation along a vector of unit length, limited.
-fn direction(names: &[&String], along: &[f64], deviation: f64) -> Direction {
+fn direction(names: &[String], along: &[f64], deviation: f64) -> Direction {
     let limited = deviation > WIDEST;
     let step = deviation.min(WIDEST);
     let end =
-        |sign: f64| names.iter().zip(along).map(|(name, part)| ((*name).clone(), (sign * step * part).exp())).collect();
+        |sign: f64| names.iter().zip(along).map(|(name, part)| (name.clone(), (sign * step * part).exp())).collect();
     Direction { ends: [end(1.0), end(-1.0)], limited }
 }
 

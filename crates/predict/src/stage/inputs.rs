@@ -49,7 +49,7 @@ pub fn candidates(records: &[(String, CandidateV1)], choice: Option<&Recommendat
         .iter()
         .map(|(id, record)| Candidate {
             id: id.clone(),
-            model: Model::read(&record.model, &record.parameters),
+            model: Model::read(&record.model, record.law.as_deref(), &record.parameters),
             spread: record.uncertainty.as_ref().map(|known| ParameterSpread {
                 standard_deviation: known.standard_deviation.clone(),
                 order: known.order.clone(),

@@ -4,6 +4,7 @@ mod inputs;
 mod occupant;
 mod options;
 mod partner;
+mod plan;
 mod records;
 mod table;
 
@@ -18,6 +19,7 @@ use crate::stage::inputs::{OtherTest, beside_in_words, candidates, named, read_o
 use crate::stage::occupant::rider;
 use crate::stage::options::{Options, Settings};
 use crate::stage::partner::ReadPartner;
+pub use crate::stage::plan::{PlanOptions, plan};
 use crate::stage::records::{record, write_waves};
 use crate::stage::table::{Row, header, line, partner_and_occupant, what_if};
 

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a failing helper is a failing test")]
 
 mod collisions;
+mod plan;
 
 use std::path::Path;
 use std::process::{Command, Output};

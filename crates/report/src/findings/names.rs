@@ -82,6 +82,7 @@ fn words_of_kind(kind: ModelKind) -> &'static str {
         ModelKind::ForceDeflection => "force-deflection curve",
         ModelKind::LoadPaths => "two-mass model with load paths",
         ModelKind::Chain => "stated chain",
+        ModelKind::Own => "own model",
     }
 }
 

@@ -63,9 +63,14 @@ pub fn parameter_order<'a>(model: &str, name: &'a str) -> (usize, &'a str) {
         Some(ParameterKind::Mass) => 0,
         Some(ParameterKind::Stiffness) => 1,
         Some(ParameterKind::Damping) => 2,
-        Some(ParameterKind::Length | ParameterKind::Rate | ParameterKind::Force | ParameterKind::RateFactor) | None => {
-            3
-        }
+        Some(
+            ParameterKind::Length
+            | ParameterKind::Rate
+            | ParameterKind::Force
+            | ParameterKind::RateFactor
+            | ParameterKind::Other,
+        )
+        | None => 3,
     };
     (place, name)
 }
@@ -95,6 +100,7 @@ fn of_kind(kind: ParameterKind) -> (f64, &'static str) {
         ParameterKind::Rate => (1.0, "m/s"),
         ParameterKind::Force => (KILO, "kN"),
         ParameterKind::RateFactor => (1.0, "s/m"),
+        ParameterKind::Other => (1.0, ""),
     }
 }
 

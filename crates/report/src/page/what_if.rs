@@ -78,9 +78,9 @@ fn thinned(wave: &Sampled, end_s: f64, factor: f64) -> Vec<[f64; 2]> {
 // The structure of a candidate as numbers for the script: masses, and elements by their laws.
 
 /// Masses and elements, the curves continued beyond their last knot as predictions do. `None`: no model that this
-/// program knows.
+/// program knows, or one with a law of its own, which the script cannot compute.
 pub fn described(record: &CandidateV1) -> Option<Value> {
-    let structure = structure_of(&record.model, &record.parameters).ok()?.with_trends_beyond();
+    let structure = structure_of(&record.model, record.law.as_deref(), &record.parameters).ok()?.with_trends_beyond();
     let node = |node: Node| match node {
         Node::Wall => -1,
         Node::Mass(i) => i64::try_from(i).unwrap_or(-1),
@@ -89,18 +89,19 @@ pub fn described(record: &CandidateV1) -> Option<Value> {
         .connections()
         .iter()
         .map(|connection| {
-            let mut element = law(&connection.element);
+            let mut element = law(&connection.element)?;
             element["front"] = node(connection.front).into();
             element["rear"] = node(connection.rear).into();
-            element
+            Some(element)
         })
-        .collect();
+        .collect::<Option<_>>()?;
     Some(json!({"masses": structure.masses_kg(), "elements": elements}))
 }
 
-fn law(element: &Element) -> Value {
+fn law(element: &Element) -> Option<Value> {
     let points = |law: &PiecewiseLinear| law.points().map(|(at, value)| [at, value]).collect::<Vec<_>>();
-    match element {
+    Some(match element {
+        Element::OwnForce(_) => return None,
         Element::Spring(spring) => json!({"kind": "spring", "points": points(&spring.0)}),
         Element::Damper(damper) => json!({"kind": "damper", "points": points(&damper.0)}),
         Element::SeriesSpringDamper(series) => {
@@ -117,7 +118,7 @@ fn law(element: &Element) -> Value {
             "beyond": beyond(curve), "unloading": curve.unloading_n_per_m(), "rate": curve.rate_s_per_m(),
             "gap": curve.gap_m(), "limit": curve.limit_n(), "pulls": false,
         }),
-    }
+    })
 }
 
 /// Stiffness beyond the last knot, N/m.

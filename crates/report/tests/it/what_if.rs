@@ -17,7 +17,7 @@ fn parameters(pairs: &[(&str, f64)]) -> BTreeMap<String, f64> {
 
 /// Crush and time of the compartment, exact.
 fn crush(model: &str, parameters: &BTreeMap<String, f64>, speed: f64) -> (f64, f64) {
-    let structure = structure_of(model, parameters).unwrap().with_trends_beyond();
+    let structure = structure_of(model, None, parameters).unwrap().with_trends_beyond();
     let events = *structure.events(speed, 2.0).unwrap().last().unwrap();
     (events.dynamic_crush_m.unwrap(), events.time_of_dynamic_crush_s.unwrap())
 }

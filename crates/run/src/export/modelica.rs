@@ -7,7 +7,7 @@ use std::fmt::Write;
 
 use crumple_artifact::records::{CandidateV1, RecommendationV1, TestV1};
 use crumple_artifact::{Artifact, ReadError};
-use crumple_lumped::{Connection, Element, Extrapolation, ForceDeflection, Node, Structure, structure_of};
+use crumple_lumped::{Connection, Element, Extrapolation, ForceDeflection, Node, OwnForce, Structure, structure_of};
 use crumple_stage::{Refused, Usage, unknown_name};
 
 use super::program::records;
@@ -30,9 +30,19 @@ pub(crate) fn modelica(artifacts: &[Artifact], id: Option<&str>) -> anyhow::Resu
     let tests = found(records::<TestV1>(artifacts, "/test"))?;
     let speed = tests.iter().find_map(|(_, test)| test.impact_speed_m_per_s);
     let speed = speed.ok_or_else(|| Usage::new("the run has no impact speed").hint("run it with --impact-speed"))?;
-    let structure = structure_of(&candidate.model, &candidate.parameters)
+    let structure = structure_of(&candidate.model, candidate.law.as_deref(), &candidate.parameters)
         .map_err(|problem| Refused::new(format!("{id}: {problem}")).hint("name one of Crumple with --candidate"))?;
+    if structure.connections().iter().any(is_too_long) {
+        let problem = format!("{id}: a force of its law is too long for an equation");
+        return Err(Refused::new(problem).hint("use fewer of abs, min and max within each other").into());
+    }
     Ok(ModelText::of(&structure, speed).written(&id, candidate))
+}
+
+/// Whether an element has a law that is not written, with names as long as here.
+fn is_too_long(connection: &Connection) -> bool {
+    let Element::OwnForce(own) = &connection.element else { return false };
+    own.written_force("u10", "w10", &|place| format!("p10_{}", place + 1)).is_none()
 }
 
 fn found<T>(records: Result<T, ReadError>) -> Result<T, Refused> {
@@ -122,10 +132,30 @@ impl ModelText {
                 self.parameter(&format!("k{n}"), "N/m", spring.loading_stiffness_n_per_m, "stiffness of loading");
                 self.parameter(&format!("ku{n}"), "N/m", spring.unloading_stiffness_n_per_m, "stiffness of unloading");
                 let stands = |at: &str| format!("k{n} * {at}");
-                self.crushed(n, &format!("u{n}"), stands, None, spring.release);
+                let moving = stands(&format!("u{n}"));
+                self.crushed(n, &format!("u{n}"), stands, (moving, None), spring.release);
             }
             Element::ForceDeflection(element) => self.force_deflection(n, element),
+            Element::OwnForce(own) => self.own_force(n, own),
         }
+    }
+
+    /// A force of a law of one's own, its parameters numbered as in the law.
+    fn own_force(&mut self, n: usize, own: &OwnForce) {
+        let named = |place: usize| format!("p{n}_{}", place + 1);
+        for (place, (value, _)) in own.values().enumerate().filter(|(_, (_, is_used))| *is_used) {
+            self.parameter(&named(place), "1", value, "parameter of the law, in SI");
+        }
+        let written = |x: &str, v: &str| own.written_force(x, v, &named).unwrap_or_default();
+        let x = format!("u{n}");
+        let Some(stiffness) = own.written_unloading(&format!("({})", written(&x, "0")), &x, &named) else {
+            self.equations.push(format!("f{n} = {};", written(&x, &format!("w{n}"))));
+            return;
+        };
+        self.variables.push(format!("discrete Real ku{n}(unit = \"N/m\", start = 1, fixed = true) \"unloading\";"));
+        let moving = written(&x, &format!("w{n}"));
+        let turn = format!("  ku{n} = max(1, {stiffness});");
+        self.crushed(n, &x, |at| format!("({})", written(at, "0")), (moving, Some(turn)), true);
     }
 
     /// A coefficient that is linear between knots `(place, value)` over `at`, and constant outside.
@@ -176,7 +206,10 @@ impl ModelText {
             let curve = format!("(if {at} < 0 then 0 else {curve})");
             limit.as_ref().map_or(curve.clone(), |limit| format!("min({limit}, {curve})"))
         };
-        self.crushed(n, &format!("d{n}"), stands, Some((format!("rate{n}"), limit.clone())), true);
+        let d = format!("d{n}");
+        let dynamic = format!("{} * (1 + rate{n} * w{n})", stands(&d));
+        let moving = limit.as_ref().map_or(dynamic.clone(), |limit| format!("min({limit}, {dynamic})"));
+        self.crushed(n, &d, stands, (moving, None), true);
     }
 
     /// The branches of what is crushed: along the curve while it goes in; from the turn on along the unloading
@@ -186,7 +219,7 @@ impl ModelText {
         n: usize,
         d: &str,
         stands: impl Fn(&str) -> String,
-        rate: Option<(String, Option<String>)>,
+        (moving, at_turn): (String, Option<String>),
         release: bool,
     ) {
         self.variables.extend([
@@ -197,10 +230,6 @@ impl ModelText {
             format!("Boolean loading{n}(start = true, fixed = true) \"on the curve\";"),
         ]);
         let at_rest = stands(d);
-        let moving = rate.map_or(at_rest.clone(), |(rate, limit)| {
-            let dynamic = format!("{at_rest} * (1 + {rate} * w{n})");
-            limit.map_or(dynamic.clone(), |limit| format!("min({limit}, {dynamic})"))
-        });
         let again = format!("{d} >= pre(crush{n}) and (pre(crush{n}) <= 0 or elastic{n} >= curve{n})");
         let free = if release { format!("if {d} < set{n} then 0 else ") } else { String::new() };
         self.equations.extend([
@@ -208,6 +237,9 @@ impl ModelText {
             format!("elastic{n} = ku{n} * ({d} - set{n});"),
             format!("loading{n} = w{n} >= 0 and (pre(loading{n}) or {again});"),
             format!("when not loading{n} then"),
+        ]);
+        self.equations.extend(at_turn);
+        self.equations.extend([
             format!("  crush{n} = max(0, {d});"),
             format!("  set{n} = max(0, {d} - {at_rest} / ku{n});"),
             "end when;".to_owned(),
@@ -250,7 +282,9 @@ fn linear(name: &str, knot: &str, last: usize, at: &str, beyond: &str) -> String
 
 #[cfg(test)]
 mod tests {
-    use crumple_lumped::{Damper, PiecewiseLinear, PlasticSpring, SeriesSpringDamper, Spring};
+    use std::sync::Arc;
+
+    use crumple_lumped::{Damper, OwnLaw, OwnModel, PiecewiseLinear, PlasticSpring, SeriesSpringDamper, Spring};
 
     use super::*;
 
@@ -269,10 +303,30 @@ mod tests {
         ModelText::of(&Structure::row(&[300.0, 1100.0], fronts).unwrap(), 15.0)
     }
 
+    /// A law of one's own that goes back along itself, along a line, and rigidly.
+    fn own_forces() -> ModelText {
+        let law = "[[element]]\nforce = \"k*x + c*v*abs(x)\"\n[[element]]\nforce = \"k*x^3\"\nunloading = \"9*c\"\n\
+                   [[element]]\nforce = \"c*tanh(x)\"\nunloading = \"rigid\"\n\
+                   [parameters]\nk = { unit = \"N/m\", value = 3e5 }\nc = { unit = \"N\", value = 1e4 }\n";
+        let model = OwnModel::at_start(Arc::new(OwnLaw::read(law).unwrap()), 1200.0).unwrap();
+        ModelText::of(&model.structure().unwrap(), 15.0)
+    }
+
+    #[test]
+    fn a_law_of_ones_own_is_an_equation() {
+        let text = own_forces();
+        let of_first = "f1 = (p1_2 * u1 + p1_1 * w1 * (if u1 >= 0 then u1 else (0.0 - u1)));";
+        assert!(text.equations.iter().any(|line| line == of_first), "{:#?}", text.equations);
+    }
+
     /// As many equations as unknowns (section 4.7 of the specification), and no parameter that nothing reads.
     #[test]
     fn the_model_is_balanced_and_reads_each_parameter() {
-        let text = every_element();
+        balanced_and_read(&every_element());
+        balanced_and_read(&own_forces());
+    }
+
+    fn balanced_and_read(text: &ModelText) {
         let equations = text.equations.iter().filter(|line| line.contains(" = ")).count();
         assert_eq!(text.variables.len(), equations);
         let body = text.equations.join("\n");

@@ -24,7 +24,7 @@ pub fn motion_band(candidate: &CandidateV1, impact_speed_m_per_s: f64, end_s: f6
     let motion = |name: &str, value: f64| {
         let mut parameters = candidate.parameters.clone();
         parameters.insert(name.to_owned(), value);
-        let structure = structure_of(&candidate.model, &parameters).ok()?;
+        let structure = structure_of(&candidate.model, candidate.law.as_deref(), &parameters).ok()?;
         structure.motions_at(impact_speed_m_per_s, &at).ok()?.pop()
     };
     let derivatives = known.order.iter().map(|name| {

@@ -156,7 +156,7 @@ impl Candidate {
     fn read(input: &Inputs, stay_attached: bool) -> anyhow::Result<Vec<Self>> {
         let records: Vec<(String, CandidateV1)> = input.records("/parameters/")?;
         let read = |(id, record): (String, CandidateV1)| {
-            let mut model = Model::read(&record.model, &record.parameters);
+            let mut model = Model::read(&record.model, record.law.as_deref(), &record.parameters);
             let mut evaluation = record.evaluation.clone();
             if let Ok(Model::Elastoplastic(elastoplastic)) = &mut model {
                 elastoplastic.release = !stay_attached;

@@ -16,6 +16,9 @@ pub struct CandidateV1 {
     pub method: String,
     /// Parameters by name with unit, e.g. `stiffness_n_per_m`.
     pub parameters: BTreeMap<String, f64>,
+    /// Text of the law of an own model, from which its motion is computed again; `null` of any other model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub law: Option<String>,
     /// Whether every parameter is positive and so a passive structure.
     pub physical: bool,
     /// Id of a candidate that gives exactly the same record on this sensor.

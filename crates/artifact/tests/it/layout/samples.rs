@@ -12,6 +12,7 @@ pub fn candidate() -> CandidateV1 {
     CandidateV1 {
         model: "kelvin".into(),
         method: "closed-form".into(),
+        law: None,
         parameters: names(&[("mass_kg", 873.0), ("stiffness_n_per_m", 321_905.25)]),
         physical: true,
         equivalent_to: None,

@@ -5,10 +5,8 @@ use std::collections::BTreeMap;
 
 use crate::drawing::numbers::{KILO, NBSP};
 use crate::findings::{CandidateResult, ShownParameter};
-use crumple_artifact::records::Certainty;
-use crumple_lumped::{
-    Chain, Element, Model, ModelKind, Node, ParameterKind, Place, Structure, parameter_kind, structure_of,
-};
+use crumple_artifact::records::{CandidateV1, Certainty};
+use crumple_lumped::{Chain, Element, Model, Node, ParameterKind, Place, Structure, parameter_kind, structure_of};
 use crumple_signal::display::{factor_shown, unit_shown};
 
 /// What a drawing of a model needs.
@@ -64,8 +62,8 @@ pub enum Glyph {
 /// The parts of a candidate; `None` where its model or parameters are none that this program knows.
 pub fn parts(candidate: &CandidateResult) -> Option<Parts> {
     let record = &candidate.record;
-    let structure = structure_of(&record.model, &record.parameters).ok()?;
-    let owners = owners(&record.model, &record.parameters)?;
+    let structure = structure_of(&record.model, record.law.as_deref(), &record.parameters).ok()?;
+    let owners = owners(record)?;
     let alone = structure.masses_kg().len() == 1;
     let masses = structure.masses_kg().iter().enumerate();
     let masses = masses
@@ -84,7 +82,8 @@ pub fn parts(candidate: &CandidateResult) -> Option<Parts> {
 }
 
 /// Where each parameter of a candidate stands in its structure.
-fn owners(model: &str, parameters: &BTreeMap<String, f64>) -> Option<BTreeMap<String, Place>> {
+fn owners(record: &CandidateV1) -> Option<BTreeMap<String, Place>> {
+    let (model, parameters) = (record.model.as_str(), &record.parameters);
     if model == "chain" {
         let place = |name: &String| {
             let kind = Chain::parameter_kind(name)?;
@@ -98,11 +97,10 @@ fn owners(model: &str, parameters: &BTreeMap<String, f64>) -> Option<BTreeMap<St
         };
         return Some(parameters.keys().filter_map(|name| Some((name.clone(), place(name)?))).collect());
     }
-    let kind: ModelKind = model.parse().ok()?;
-    let model = Model::from_parameters(kind, parameters).ok()?;
-    let named = model.kind().parameter_names().iter().zip(model.places());
-    let given = named.filter(|(name, _)| parameters.contains_key(**name));
-    Some(given.map(|(name, place)| ((*name).to_owned(), place)).collect())
+    let model = Model::read(model, record.law.as_deref(), parameters).ok()?;
+    let named = model.names().into_iter().zip(model.places());
+    let given = named.filter(|(name, _)| parameters.contains_key(name.as_ref()));
+    Some(given.map(|(name, place)| (name.into_owned(), place)).collect())
 }
 
 /// What is known of one parameter.
@@ -158,7 +156,12 @@ fn element(
     };
     let (front, rear) = (node(connection.front), node(connection.rear));
     let is_own = |place: &Place| matches!(place, Place::Element { connection, .. } if *connection == at);
-    let own: Vec<&str> = owners.iter().filter(|(_, place)| is_own(place)).map(|(name, _)| name.as_str()).collect();
+    let is_in = |place: &Place| match (place, &connection.element) {
+        // A parameter of an own model stands wherever its law names it.
+        (Place::Law(parameter), Element::OwnForce(own)) => own.has_parameter(*parameter),
+        (place, _) => is_own(place),
+    };
+    let own: Vec<&str> = owners.iter().filter(|(_, place)| is_in(place)).map(|(name, _)| name.as_str()).collect();
     let asked: Vec<&str> = record.asked().filter(|name| own.contains(name)).collect();
     let known: BTreeMap<&str, Known> = own.iter().map(|name| (*name, Known::of(candidate, name))).collect();
     let open = asked.iter().filter(|name| known[*name].open).count();
@@ -218,6 +221,14 @@ fn element(
             }
             let back = spring.loading_stiffness_n_per_m / spring.unloading_stiffness_n_per_m;
             (Glyph::Curve(vec![(0.0, 0.0), (1.0, 1.0), ((1.0 - back).clamp(0.0, 1.0), 0.0)]), "k")
+        }
+        Element::OwnForce(force) => {
+            own.iter().for_each(|name| value(&ShownParameter::of(record, name).symbol, name, true));
+            let curve = match force.unloading_n_per_m(1.0) {
+                Some(_) => vec![(0.0, 0.0), (1.0, 1.0), (0.9, 0.0)],
+                None => vec![(0.0, 0.0), (1.0, 1.0)],
+            };
+            (Glyph::Curve(curve), "F")
         }
         Element::ForceDeflection(curve) => {
             lines.extend(words_of_curve(&symbol("F"), curve.knots(), &known, (open, asked.len())));
