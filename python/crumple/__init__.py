@@ -9,11 +9,11 @@ from importlib.metadata import PackageNotFoundError, version
 from ._artifact import Artifact, Record, Wave, read, stage, write
 from ._kernels import LinearModel, Motion, arx, crush, era, filter_cfc, fit, n4sid, okid, simulate, tfest
 from ._program import CrumpleError, NoResult, Refused, Usage
-from ._run import Predictions, Run, diff, open_run, predict, run, together
+from ._run import Predictions, Run, compare, damage, diff, open_run, predict, run, together
 
 __all__ = [
     "Artifact", "CrumpleError", "LinearModel", "Motion", "NoResult", "Predictions", "Record", "Refused", "Run", "Usage",
-    "Wave", "arx", "crush", "diff", "era", "filter_cfc", "fit", "n4sid", "okid", "open_run", "predict", "read", "run",
+    "Wave", "arx", "compare", "crush", "damage", "diff", "era", "filter_cfc", "fit", "n4sid", "okid", "open_run", "predict", "read", "run",
     "simulate", "stage", "tfest", "together", "write",
 ]
 

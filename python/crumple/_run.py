@@ -100,6 +100,14 @@ class Run:
             return str(self.summary["recommended_because"])
         return "\n".join([verdict["status_sentence"], *verdict["sentences"]])
 
+    def _why(self) -> str:
+        """The status with its reason, and the strongest remark with what to do: why there is no result."""
+        lines = self.verdict.splitlines()[:1]
+        for first in self.remarks[:1]:
+            lines.append(f"  {first.text} [{first.code}]")
+            lines += [f"  hint: {first.remedy}"] if first.remedy else []
+        return "\n".join(lines)
+
     @property
     def record(self) -> str:
         """Whether the record is sound: `sound`, `check` or `wrong`; empty where an earlier version made the run."""
@@ -196,7 +204,7 @@ def run(
     """Runs a record through all stages: a file, a DataFrame, a Series, or an array of one acceleration.
 
     A DataFrame has its time, s, as index or in a column, else `dt` is its step, s; an array needs `dt`. What no column
-    name states, `unit` does: `unit="g"`; an array needs it.
+    name states, `unit` does: `unit="g"`; an array needs it. An array of two columns is time, s, and acceleration.
 
     `mass` is in kg and `impact_speed` in m/s; texts carry their unit, `"1200 kg"`, `"50 km/h"`. `pipeline` is a name,
     a file, or tables of options by stage; `set` has single options, `{"filter.cfc": 180}`. Other options are flags of
@@ -226,14 +234,16 @@ def _as_file(given: Samples, dt: float | None, unit: object, path: Path) -> Path
     if is_series:
         frame = given.to_frame(given.name or "acceleration")
     if columns is None and not is_series:
+        if dt is None and np.ndim(given) == 2 and np.shape(given)[1] == 2 and unit is not None:
+            time, given = np.asarray(given, float).T
+            if not (np.isfinite(time).all() and (np.diff(time) > 0).all()):
+                raise Usage("the first of two columns does not rise\n  hint: time in s, then acceleration; or dt=1e-4")
+            return _write(path, time, _samples("the record", given))
         if unit is None or dt is None:
             lacks = "unit" if unit is None else "dt"
             raise Usage(f"an array does not state its {lacks}\n  hint: crumple.run(a, dt=1e-4, unit=\"g\")")
         samples = _samples("the record", given)
-        table = np.column_stack([np.arange(len(samples)) * number("dt", dt, positive=True), samples])
-        lines = (f"{time!r},{one!r}\n" for time, one in table.tolist())
-        path.write_text("time_s,acceleration\n" + "".join(lines), "utf-8")
-        return path
+        return _write(path, np.arange(len(samples)) * number("dt", dt, positive=True), samples)
     frame = frame.copy()
     if dt is not None:
         frame.insert(0, "time_s", np.arange(len(frame)) * number("dt", dt, positive=True))
@@ -244,6 +254,12 @@ def _as_file(given: Samples, dt: float | None, unit: object, path: Path) -> Path
     elif is_series:
         raise Usage("the series has no time\n  hint: an index in seconds, or dt=1e-4")
     frame.to_csv(path, index=False)
+    return path
+
+
+def _write(path: Path, time: Array, samples: Array) -> Path:
+    lines = (f"{at!r},{one!r}\n" for at, one in zip(time.tolist(), samples.tolist(), strict=True))
+    path.write_text("time_s,acceleration\n" + "".join(lines), "utf-8")
     return path
 
 
@@ -301,6 +317,38 @@ def diff(
     return found
 
 
+def compare(
+    test: Run | Paths, *simulations: Run | Paths, require: Iterable[str] = (), page: Paths | None = None,
+    **options: object,
+) -> dict[str, Any]:
+    """Simulations against their test: `crumple compare --validate`. Runs, or records with their flags as options.
+
+    `require` has limits, `["crush<=20mm"]`; one that is not held is in `["simulations"][k]["required"]`. `page` is the
+    HTML page to write.
+    """
+    with tempfile.TemporaryDirectory() as scratch:
+        sides = [_there(one) for one in (test, *simulations)]
+        page = Path(page).absolute() if page else Path(scratch, "compare.html")
+        if limits := options.pop("limits", None):
+            options["limits"] = _there(str(limits))
+        own = ["--validate", "--json", "-o", str(page), *(f"--require={one}" for one in require)]
+        found: dict[str, Any] = json.loads(
+            call("compare", *sides, *own, *flags(options), allowed=(0, 1), cwd=scratch)[1]
+        )
+    return found
+
+
+def damage(*, test: str | Iterable[str] = (), **options: object) -> dict[str, Any]:
+    """Speed from damage, SI: `crumple damage --json`. Options are its flags: `profile="10,25,38,40,31,12cm"`.
+
+    `test` is a barrier test, `"1400kg,56km/h,48cm,150cm"`, or several.
+    """
+    tests = [test] if isinstance(test, str) else test
+    words = [*(f"--test={one}" for one in tests), *flags(options)]
+    found: dict[str, Any] = json.loads(call("damage", *words, "--json")[1])
+    return found
+
+
 def _into_folder(command: str, out: Paths | None, name: str, words: Callable[[str], list[str]]) -> Run:
     """Calls a command that fills a folder; a temporary one is removed where it fails."""
     temporary = Path(tempfile.mkdtemp(prefix="crumple-")) if out is None else None
@@ -310,10 +358,14 @@ def _into_folder(command: str, out: Paths | None, name: str, words: Callable[[st
         call(command, *words(str(folder)), cwd=temporary if command == "together" else None)
     except NoResult as error:
         error.run = Run(folder, temporary=temporary)
+        if not str(error):
+            error.args = (error.run._why(),)
         raise
-    except BaseException:
+    except BaseException as error:
         if temporary:
             shutil.rmtree(temporary, ignore_errors=True)
+        if isinstance(error, CrumpleError) and hasattr(error, "add_note"):  # Python 3.11
+            error.add_note('In Python a flag is a keyword: --time-zero 5ms is time_zero="5ms".')
         raise
     return Run(folder, temporary=temporary)
 

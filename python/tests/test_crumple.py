@@ -224,12 +224,36 @@ def test_errors_have_their_kind_and_the_text_of_the_program(tmp_path):
     with pytest.raises(crumple.NoResult) as nothing:
         crumple.run(flat)
     assert nothing.value.exit_code == 4 and nothing.value.run.report.is_file()
+    first = nothing.value.run.remarks[0]
+    said = str(nothing.value).splitlines()
+    assert said[0] == nothing.value.run.verdict.splitlines()[0] and f"[{first.code}]" in said[1]
     whole = (tmp_path / "whole.mcap", tmp_path / "half.mcap")
     crumple.write(whole[0], crumple.Artifact(waves={"a": crumple.Wave(np.zeros(400), DT)}))
     whole[1].write_bytes(whole[0].read_bytes()[:-100])
     for damaged in (whole[1], tmp_path / "none.mcap", RECORD):
         with pytest.raises(crumple.Refused):
             crumple.read(damaged)
+
+
+def test_two_columns_are_time_and_acceleration():
+    rows = [line.split(",")[:2] for line in RECORD.read_text("utf-8").splitlines() if line[:1] in "-0123456789"]
+    table = np.array(rows, float)
+    known = {"unit": "g", "mass": 1200, "impact_speed": "50 km/h"}
+    by_step = crumple.run(table[:, 1], dt=table[1, 0] - table[0, 0], time_zero=f"{-table[0, 0]}s", **known)
+    by_column = crumple.run(table, **known)
+    crush = [run.summary["events"]["dynamic_crush_m"] for run in (by_step, by_column)]
+    assert crush[0] == pytest.approx(crush[1], rel=1e-6)
+    with pytest.raises(crumple.Usage, match="does not rise"):
+        crumple.run(table[::-1], **known)
+
+
+def test_a_simulation_beside_its_test_and_speed_from_damage(tmp_path):
+    run = crumple.run(RECORD, out=tmp_path / "test")
+    equal = crumple.compare(run, run.save(tmp_path / "copy"), require=["crush<=1mm"], page=tmp_path / "page.html")
+    [one] = equal["simulations"]
+    assert one["decision"] == "equal" and one["required"][0]["held"] and (tmp_path / "page.html").is_file()
+    found = crumple.damage(test="1400kg,56km/h,48cm,150cm", profile="10,25,38,40,31,12cm", width="150cm", mass="1400kg")
+    assert found["vehicle"]["damage"]["equivalent_barrier_speed_m_per_s"] > 5
 
 
 def test_names_with_spaces_and_umlauts(tmp_path):

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use crumple_artifact::records::{RemarkV1, ValueV1};
-use crumple_signal::{Kind, Weight};
+use crumple_signal::display::sentence;
+use crumple_signal::{Display, Kind, Weight};
 use crumple_stage::joints::invariants;
 use crumple_stage::{ExitStatus, columns, kinds, printable, refuse_unknown_code, to_stdout, wrapped};
 
@@ -12,7 +13,12 @@ type OfARun<'a> = &'a dyn Fn(&Path) -> anyhow::Result<Vec<RemarkV1>>;
 
 /// Prints what a code means: found, decided how, what it means, what to do; with a run what it found there. A run alone
 /// prints all that it holds.
-pub(crate) fn explain(words: &[PathBuf], markdown: bool, remarks_of_a_run: OfARun<'_>) -> anyhow::Result<ExitStatus> {
+pub(crate) fn explain(
+    words: &[PathBuf],
+    markdown: bool,
+    display: Display,
+    remarks_of_a_run: OfARun<'_>,
+) -> anyhow::Result<ExitStatus> {
     let (code, run) = match words {
         [only] if only.is_dir() => (None, Some(only)),
         [only] => (Some(only), None),
@@ -46,7 +52,7 @@ pub(crate) fn explain(words: &[PathBuf], markdown: bool, remarks_of_a_run: OfARu
         let [_, decided, means, remedy] = kind.explanation;
         paragraphs.push(format!("{}, {}: {}", kind.code, weight_of(kind), kind.found()));
         let of_kind: Vec<&RemarkV1> = here.iter().filter(|found| found.code == kind.code).collect();
-        paragraphs.extend(of_kind.iter().map(|found| in_this_run(found)));
+        paragraphs.extend(of_kind.iter().map(|found| in_this_run(found, display)));
         if let Some(run) = run.filter(|_| of_kind.is_empty()) {
             paragraphs.push(format!("Here: nothing of that in {}.", run.display()));
         }
@@ -63,14 +69,17 @@ pub(crate) fn explain(words: &[PathBuf], markdown: bool, remarks_of_a_run: OfARu
 }
 
 /// The sentence that a run has of a kind, with what it was made from.
-fn in_this_run(found: &RemarkV1) -> String {
+///
+/// The sentence is in the units of the reader; values are SI, with the unit in their name.
+fn in_this_run(found: &RemarkV1, display: Display) -> String {
     let of_value = |(name, value): (&String, &ValueV1)| match value {
         ValueV1::Number(number) => format!("{name} {number}"),
         ValueV1::Text(text) => format!("{name} {text}"),
     };
     let values: Vec<String> = found.values.iter().map(of_value).collect();
     let values = if values.is_empty() { String::new() } else { format!(" Values: {}.", values.join(", ")) };
-    format!("Here, {}: {}.{values}", found.stage, found.text.trim_end_matches('.'))
+    let text = display.during(|| sentence(found.text.trim_end_matches('.')).into_owned());
+    format!("Here, {}: {text}.{values}", found.stage)
 }
 
 /// How much a kind changes, in words.

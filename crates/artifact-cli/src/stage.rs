@@ -16,12 +16,13 @@ use crumple_artifact::records::{EventsV1, RemarkV1};
 use crumple_artifact::{
     Artifact, ArtifactBuilder, Compression, OutputKind, SCHEMAS, Wave, refuse_named_pipe, write_atomically,
 };
+use crumple_signal::display::sentence;
 use crumple_signal::value::Length;
 use crumple_stage::joints::contradictions;
 use crumple_stage::{
-    Call, ExitStatus, Pipeline, Program, Refused, Usage, artifacts_of_a_run, chain, columns, is_no_result, keep_budget,
-    kinds, labelled, load_artifacts, nearest, printable, program, refuse_a_mixture, refuse_to_overwrite, remarks_of,
-    results_of_an_earlier_run, run_tool, say, to_stdout,
+    Call, DisplayFlag, ExitStatus, Pipeline, Program, Refused, Usage, artifacts_of_a_run, chain, columns, is_no_result,
+    keep_budget, kinds, labelled, load_artifacts, nearest, printable, program, refuse_a_mixture, refuse_to_overwrite,
+    remarks_of, results_of_an_earlier_run, run_tool, say, to_stdout,
 };
 use serde::de::DeserializeOwned;
 
@@ -59,6 +60,8 @@ enum Command {
         /// The folder of a run, or artifacts.
         #[arg(required = true, value_name = "RUN|FILE")]
         paths: Vec<PathBuf>,
+        #[command(flatten)]
+        display: DisplayFlag,
     },
     /// Writes the static force-deflection curves of a candidate, for people and for other programs.
     Curve {
@@ -101,6 +104,8 @@ enum Command {
         /// As sections of a page of Markdown; without a code those of all.
         #[arg(long)]
         markdown: bool,
+        #[command(flatten)]
+        display: DisplayFlag,
     },
     /// Writes an artifact as plain files: records.ndjson, waves.ndjson with a file of samples each (little-endian f64,
     /// or text), provenance.json.
@@ -172,7 +177,7 @@ fn run(args: Args, check_passport: Option<CheckPassport>) -> anyhow::Result<Exit
         Command::Show { file, topic, samples, json } => {
             show(&file, &ShowOptions { topics: Wanted(topic), samples }, json)
         }
-        Command::Notes { paths } => notes(&paths),
+        Command::Notes { paths, display } => notes(&paths, display),
         Command::Curve { file, candidate, format, to } => curve(&file, candidate.as_deref(), format, to),
         Command::Check { passport: Some(passport), record, stage, .. } => {
             let problem = "--passport runs the chain, which this program alone cannot";
@@ -180,7 +185,11 @@ fn run(args: Args, check_passport: Option<CheckPassport>) -> anyhow::Result<Exit
             check(&PassportCheck { passport, record, stages: stage })
         }
         Command::Check { files, .. } => check_files(&files),
-        Command::Explain { words, markdown } => explain(&words, markdown, &remarks_of_a_run),
+        Command::Explain { words, markdown, display } => {
+            let pipeline = words.first().and_then(|run| pipeline_of(run));
+            let display = display.or_of(pipeline.as_ref())?;
+            explain(&words, markdown, display, &remarks_of_a_run)
+        }
         Command::Unpack { file, folder, text, force, quiet } => {
             let form = if text { SampleForm::Text } else { SampleForm::Bytes };
             unpack(&file, &folder, form, force, quiet)
@@ -212,7 +221,9 @@ fn show(path: &Path, options: &ShowOptions, json: bool) -> anyhow::Result<ExitSt
 /// Columns of mark, weight and stage in front of a note.
 const LABEL_OF_A_NOTE: usize = 28;
 
-fn notes(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
+fn notes(paths: &[PathBuf], display: DisplayFlag) -> anyhow::Result<ExitStatus> {
+    let pipeline = paths.first().and_then(|run| pipeline_of(run));
+    let display = display.or_of(pipeline.as_ref())?;
     let mut files = Vec::new();
     let (mut ranked, mut allowed) = (None, Vec::new());
     for path in paths {
@@ -237,7 +248,9 @@ fn notes(paths: &[PathBuf]) -> anyhow::Result<ExitStatus> {
     };
     // A line each where a program reads them.
     let columns = if std::io::stdout().is_terminal() { columns() } else { usize::MAX };
-    let lines = notes.lines().into_iter().flat_map(|(label, text)| labelled(&label, LABEL_OF_A_NOTE, &text, columns));
+    let shown = |text: &str| display.during(|| sentence(text).into_owned());
+    let lines =
+        notes.lines().into_iter().flat_map(|(label, text)| labelled(&label, LABEL_OF_A_NOTE, &shown(&text), columns));
     let text: String = lines.map(|line| line + "\n").collect();
     to_stdout(printable(&text).as_bytes())?;
     Ok(ExitStatus::Done)
@@ -270,6 +283,9 @@ fn curve(path: &Path, candidate: Option<&str>, format: CurveFormat, to: Option<L
         return Err(Usage::new("--to must be above zero").hint("--to 900mm").into());
     }
     let solved = path.join("5-parameter-solve.mcap");
+    if path.is_dir() {
+        artifacts_of_a_run(path)?;
+    }
     let path = if path.is_dir() { &solved } else { path };
     // Of a run the motion stands beside its candidates.
     let motion = Some(path.with_file_name("3-integrate.mcap")).filter(|motion| motion.is_file());

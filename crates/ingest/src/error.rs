@@ -183,6 +183,11 @@ impl IngestError {
         Self::new(Refusal::Other, format!("{file} does not state {what}"), expected, hint)
     }
 
+    /// Units that make no sense.
+    pub(crate) fn units(file: &str, found: impl Display, expected: &str, hint: &str) -> Self {
+        Self::new(Refusal::Other, format!("{file}: {found}"), expected, hint)
+    }
+
     /// A unit of time that is stated nowhere.
     pub(crate) fn unit_of_time(file: &str, times: impl Display, expected: &str, hint: &str) -> Self {
         let error = Self::not_stated(file, format!("the unit of time: {times}"), expected, hint);

@@ -97,7 +97,7 @@ const ANOTHER_RECORD: &str =
     "export an acceleration of the same test; inputs and outputs that are no crash need none: --allow-missing";
 
 fn best_candidate(file: &str, recording: &Recording, candidates: &[usize]) -> Result<usize> {
-    let hint = "name the channel by --channel";
+    let hint = naming_one(recording);
     match (candidates, recording.pulse_rule) {
         ([], PulseRule::OnlyOne) => {
             let with_data = || recording.channels.iter().filter(|read| read.wave.is_some()).map(|read| &read.channel);
@@ -149,6 +149,24 @@ fn best_candidate(file: &str, recording: &Recording, candidates: &[usize]) -> Re
             Err(which(file, found, &recording.channels[several[0]].channel.id, several.len()))
         }
     }
+}
+
+/// How to name a channel, with one of the record: an acceleration along x with samples, else what comes nearest.
+fn naming_one(recording: &Recording) -> String {
+    let lacks = |read: &&ReadChannel| {
+        let channel = &read.channel;
+        (read.wave.is_none(), channel.quantity != QuantityKind::Acceleration, channel.axis != Some(Axis::X))
+    };
+    recording.channels.iter().min_by_key(lacks).map_or_else(
+        || "give the folder or the archive that holds the files of the channels too".to_owned(),
+        |read| match &read.wave {
+            Some(_) => format!("name the channel, such as --channel {}", read.channel.id),
+            None => format!(
+                "put the files of the channels beside it; then one can be named, such as --channel {}",
+                read.channel.id
+            ),
+        },
+    )
 }
 
 /// The question where one of `count` channels has to be named; three may be those of a head.

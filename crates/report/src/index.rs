@@ -56,26 +56,31 @@ impl RunIndex<'_> {
             self.files(),
             failures(self.runs)
         );
-        self.figures.iter().for_each(|figures| write_figures(&mut body, figures));
         body.push_str(&format!(
             "<section id=\"runs\">\n<h2>Runs</h2>\n<p class=\"caption\">A name leads to the report of the run. C and \
              tₘ: dynamic crush and its time; e: restitution; k: stiffness of the Kelvin model. Pulses: the filtered \
              acceleration over the first 150 ms, upwards as the vehicle slows down, each to its own peak. Three digits \
              are shown; the reports have all, with intervals.<span class=\"script\"> A head of a column \
-             sorts.</span></p>\n{}</section>\n</main>\n",
+             sorts.</span><span class=\"wide\"> The table scrolls to the side.</span></p>\n{}</section>\n",
             table(self.runs)
         ));
+        self.figures.iter().for_each(|figures| write_figures(&mut body, figures));
+        body.push_str("</main>\n");
         framed(title, STYLE, &body, SORT)
     }
 
-    /// How many runs there are, and how many of them ended how.
+    /// How many runs there are, and how many of them have which status.
     pub fn counted(&self) -> String {
-        let count = |is: &dyn Fn(&IndexedRun<'_>) -> bool| self.runs.iter().filter(|run| is(run)).count();
-        let failed = count(&|run| !run.is_done());
-        let recommended = count(&|run| run.is_done() && run.summary.is_some_and(|s| s.usable().is_some()));
-        let runs = if self.runs.len() == 1 { "run" } else { "runs" };
-        let without = if failed > 0 { format!(", {failed} without a result") } else { String::new() };
-        format!("{} {runs}, {recommended} with a recommended model{without}", self.runs.len())
+        let of_status = |status: Status| {
+            let is_it = |run: &&IndexedRun<'_>| run.status() == Some(status);
+            (self.runs.iter().filter(is_it).count(), status.word())
+        };
+        let failed = self.runs.iter().filter(|run| !run.is_done()).count();
+        let [usable, with_care, unusable] = [Status::Usable, Status::UsableWithCare, Status::DoNotUse].map(of_status);
+        let counts = [usable, with_care, unusable, (failed, "without a result")];
+        let counts = counts.into_iter().filter(|(count, _)| *count > 0).map(|(count, word)| format!("{count} {word}"));
+        let (runs, counts) = (if self.runs.len() == 1 { "run" } else { "runs" }, Vec::from_iter(counts).join(", "));
+        format!("{} {runs}{}{counts}", self.runs.len(), if counts.is_empty() { "" } else { ": " })
     }
 
     /// The runs as a terminal shows them: a line each, what it is called, the first numbers, and the status with its
@@ -245,6 +250,11 @@ impl IndexedRun<'_> {
         }
     }
 
+    /// Whether its results may be used; `None`: it has none, or an early version did not say it.
+    fn status(&self) -> Option<Status> {
+        self.summary.filter(|_| self.is_done()).and_then(|summary| summary.verdict.status)
+    }
+
     /// Whether there is what was asked for.
     pub(crate) fn is_done(&self) -> bool {
         self.exit_code == 0
@@ -308,13 +318,14 @@ fn class_of(status: Status) -> &'static str {
 fn table(runs: &[IndexedRun<'_>]) -> String {
     let several = runs.iter().any(|run| !run.variant.is_empty());
     let mut out = "<div class=\"scroll\" role=\"region\" aria-label=\"Runs\" tabindex=\"0\">\n\
-                   <table class=\"index\">\n<thead><tr><th scope=col>Run<th scope=col>Vehicle or test"
+                   <table class=\"index\">\n<thead><tr><th scope=col>Run<th scope=col>Status<th scope=col>Vehicle or \
+                   test"
         .to_owned();
     for quantity in NUMBERS {
         let _ = write!(out, "<th scope=col abbr=\"{}\">{}", quantity.name, quantity.head());
     }
     out.push_str(
-        "<th scope=col>Status<th scope=col>Recommended<th scope=col>Numbers of it<th scope=col data-fixed>Pulse\
+        "<th scope=col>Recommended<th scope=col>Numbers of it<th scope=col data-fixed>Pulse\
          <th scope=col>First warning",
     );
     if several {
@@ -331,24 +342,32 @@ fn row(out: &mut String, run: &IndexedRun<'_>, several: bool) {
     let test = summary.map(|summary| &summary.test);
     let vehicle = test.map(|test| test.vehicle.as_ref().filter(|name| !name.trim().is_empty()).unwrap_or(&test.title));
     // Writing to a string does not fail.
-    let _ = write!(out, "<tr><th>{}<td>{}", run.linked(), html(&shortened(vehicle.map_or("", |v| v), OF_VEHICLE)));
+    let reason = summary.filter(|_| run.is_done()).map_or("", |summary| &summary.verdict.status_sentence);
+    let _ = write!(out, "<tr><th>{}", run.linked());
+    let _ = match summary.filter(|_| run.is_done()) {
+        Some(summary) => {
+            let answers = summary.verdict.answers().map(|(label, text)| format!("{label}: {text}"));
+            let title = Vec::from_iter(std::iter::once(sentence(reason).into_owned()).chain(answers)).join("; ");
+            let (class, word) = run.status().map_or(("none", ""), |status| (class_of(status), status.word()));
+            write!(out, "<td class={class} title=\"{}\">{word}", html(&title))
+        }
+        None if run.is_done() => write!(out, "<td>"),
+        None => write!(out, "<td><b>{}</b>", status(run.exit_code)),
+    };
+    let _ = write!(out, "<td>{}", html(&shortened(vehicle.map_or("", |v| v), OF_VEHICLE)));
     for quantity in NUMBERS {
         let value = summary.and_then(|summary| quantity.value(summary));
         let _ = write!(out, "<td>{}", value.map_or_else(String::new, |value| words::significant(value, DIGITS)));
     }
     let certainty = summary.and_then(|summary| summary.verdict.certainty()).unwrap_or_default();
-    let reason = summary.filter(|_| run.is_done()).map_or("", |summary| &summary.verdict.status_sentence);
     let _ = match summary.filter(|_| run.is_done()) {
         Some(summary) => {
             let model = summary.usable().map(|candidate| model_name(&candidate.model, &candidate.parameters));
             let model = model.map_or_else(|| "none".to_owned(), |model| capitalised(&model));
-            let answers = summary.verdict.answers().map(|(label, text)| format!("{label}: {text}"));
-            let title = Vec::from_iter(std::iter::once(sentence(reason).into_owned()).chain(answers)).join("; ");
-            let (class, word) = summary.verdict.status.map_or(("none", ""), |status| (class_of(status), status.word()));
-            write!(out, "<td class={class} title=\"{}\">{word}<td>{}", html(&title), html(&model))
+            write!(out, "<td>{}", html(&model))
         }
-        None if run.is_done() => write!(out, "<td><td>none"),
-        None => write!(out, "<td><b>{}</b><td>", status(run.exit_code)),
+        None if run.is_done() => write!(out, "<td>none"),
+        None => write!(out, "<td>"),
     };
     let warning = &run.first_warning();
     let _ = write!(out, "<td>{certainty}<td>{}<td>{}", run.pulse, html(warning));

@@ -31,6 +31,9 @@ pub(crate) fn compare(options: CompareOptions, call: &Call) -> anyhow::Result<Ex
     let is_flag = |word: &PathBuf| word.as_os_str().as_encoded_bytes().starts_with(b"-");
     let count = comparison.inputs.iter().take_while(|word| !is_flag(word)).count();
     let flags: Vec<OsString> = comparison.inputs.split_off(count).into_iter().map(PathBuf::into_os_string).collect();
+    refuse_records_of_a_comparison(&comparison)?;
+    let simulations: Vec<PathBuf> =
+        comparison.inputs.iter().filter(|path| is_record_of_simulation(path)).cloned().collect();
     let records = comparison.inputs.iter_mut().filter(|path| comparison.validation.validate && is_record(path));
     let mut records = records.peekable();
     if let (Some(flag), None) = (flags.first(), records.peek()) {
@@ -51,11 +54,36 @@ pub(crate) fn compare(options: CompareOptions, call: &Call) -> anyhow::Result<Ex
             .collect();
         if let Some(status) = run_record(&folder, &words)? {
             say(format_args!("error: the run of {} failed; nothing was compared", record.display()));
+            if simulations.len() > 1 && simulations.contains(record) {
+                say("  hint: --node, --axis, --units and --wall are those of all simulations; where they differ, run \
+                     each by itself and compare the runs:");
+                for simulation in &simulations {
+                    let (name, run) = (simulation.display(), folder_of_record(Path::new("."), simulation));
+                    let folder = run.unwrap_or_else(|| PathBuf::from("DIR"));
+                    say(format_args!("    crumple run {name} --units SYSTEM --node ID -o {}", folder.display()));
+                }
+            }
             return Ok(status);
         }
         *record = folder;
     }
     crumple_report::compare_runs(&comparison, call)
+}
+
+/// Errors: a record is to be compared without --validate.
+fn refuse_records_of_a_comparison(comparison: &CompareCli) -> Result<(), Usage> {
+    let is_record = |path: &&PathBuf| path.is_file() || is_record_of_simulation(path);
+    let mut records = comparison.inputs.iter().filter(is_record).filter(|_| !comparison.validation.validate);
+    let Some(record) = records.next() else { return Ok(()) };
+    let hint = format!(
+        "add --validate to compare a simulation with its test; or run each record first: crumple run {}",
+        record.display()
+    );
+    Err(Usage::new(format!("{} is a record, not the folder of a run", record.display())).hint(hint))
+}
+
+fn is_record_of_simulation(path: &Path) -> bool {
+    is_record(path) && crumple_ingest::is_simulation(path)
 }
 
 /// Whether it is to be run: it is there, and no folder of a run.

@@ -165,6 +165,12 @@ impl Program {
             Named::Foreign => {}
         }
         let file = find(first).ok_or_else(|| {
+            if first.contains(is_separator) && Path::new(first).is_file() {
+                let command =
+                    std::iter::once("sh").chain(words.iter().map(String::as_str)).collect::<Vec<_>>().join(" ");
+                let hint = format!("chmod +x {first}, or name what runs it: --stage {stage}=\"{command}\"");
+                return refused(format!("{first} is not executable")).hint(hint);
+            }
             refused(format!("{first}: no such program")).hint(match first.starts_with(".venv/") {
                 true => "scripts/setup.sh test makes the Python environment .venv".to_owned(),
                 false => format!("it is the command of the stage {stage}; for what only a shell can do: sh -c '...'"),
@@ -257,7 +263,7 @@ mod tests {
         assert!(shell.file.ends_with("sh") && found("/bin/sh").is_ok());
         for (typed, problem) in [
             ("no-such-program --flag", "no-such-program: no such program"),
-            ("/etc/passwd", "/etc/passwd: no such program"),
+            ("/etc/passwd", "/etc/passwd is not executable"),
             ("ulimit -v 8000000; x/crumple-identify", "ulimit: no such program"),
             ("A=1 sh", "A=1: no such program"),
             ("'' x", ": no such program"),

@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use crumple_artifact::remove_in_order;
-use crumple_stage::{ExitStatus, Usage, by_way, chain, memory_limit_flag, refuse_not_to_be_allowed, say};
+use crumple_stage::{
+    ExitStatus, Usage, by_way, chain, hint_for_a_run, memory_limit_flag, refuse_not_to_be_allowed, say,
+};
 
 use crate::command::{Options, Pipeline, Stage, chain_of, dependents, stages_of};
 use crate::fail_on::after_limits;
@@ -229,11 +231,7 @@ fn folder_of_a_run(made: &Path) -> Result<PathBuf, Usage> {
         return Ok(made.to_owned());
     }
     let problem = format!("{} is no folder of a run", made.display());
-    let hint = by_way(
-        "runs/NAME-OF-RECORD/NAME-OF-PIPELINE, which just run made",
-        "runs/NAME/PIPELINE, which crumple run made",
-    );
-    Err(Usage::new(problem).hint(hint))
+    Err(Usage::new(problem).hint(hint_for_a_run(made)))
 }
 
 /// Whether the folder is that of several tests with one model, which has no motion of its own.

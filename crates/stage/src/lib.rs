@@ -33,7 +33,9 @@ mod terminal;
 mod typed;
 
 pub use artifacts::inputs::{Inputs, Loaded, Tests, load_artifacts, load_tests, refuse_a_mixture};
-pub use artifacts::output::{Output, SummaryLine, artifacts_of_a_run, refuse_to_overwrite, results_of_an_earlier_run};
+pub use artifacts::output::{
+    Output, SummaryLine, artifacts_of_a_run, hint_for_a_run, refuse_to_overwrite, results_of_an_earlier_run,
+};
 pub use artifacts::remarks::{is_no_result, remark_on_model, remarks_of, remarks_of_model};
 pub use chain_table::{MassOfTable, NumberOfTable, TakenNumbers, read_chain, total_mass_remark, typed};
 pub use command_line::args::{is_shared_flag, keep_budget, memory_limit_flag};

@@ -87,8 +87,12 @@ fn known_motion_comes_back_from_every_format() {
 fn units_are_asked_with_the_system_that_fits() {
     let text = refusal(read_as("binout", simulated::binout(true), &IngestSettings::default()));
     assert!(text.contains("--units mm-ms-kg (1000 kg, 15 m/s, 120 ms)"), "{text}");
-    let wrong = read_as("binout", simulated::binout(true), &given("--units mm-s-t --node 7")).unwrap();
-    assert!(notes(&wrong).contains("which is no crash of a car; --units mm-ms-kg fits"), "{}", notes(&wrong));
+    for units in ["mm-s-t", "m-s-kg"] {
+        let typed = format!("--units {units} --node 7");
+        let text = refusal(read_as("binout", simulated::binout(true), &given(&typed)));
+        assert!(text.contains(&format!("{units} by --units give")) && text.contains("no crash of a car"), "{text}");
+        assert!(text.contains("--units mm-ms-kg"), "{text}");
+    }
 }
 
 #[test]

@@ -37,10 +37,28 @@ pub struct RunComparison<'a> {
     runs: &'a [ComparedRun],
     title: String,
     sections: Vec<Section>,
-    sentences: Vec<String>,
+    said: Vec<Said>,
     figures: Vec<Figure>,
     /// What the first column of the table is that the figures stand before.
     figures_before: &'static str,
+}
+
+/// What a comparison comes to: a headline and what follows from it.
+#[derive(Debug, Clone)]
+pub struct Said {
+    /// Of which run, where there are several of it.
+    pub of: Option<String>,
+    /// The headline, then the others.
+    pub sentences: Vec<String>,
+}
+
+impl Said {
+    /// The sentences, the first with the name of the run.
+    pub fn lines(&self) -> Vec<String> {
+        let name = self.of.as_ref().map_or_else(String::new, |of| format!("{of}: "));
+        let first = self.sentences.first().map(|text| name + text);
+        first.into_iter().chain(self.sentences.iter().skip(1).cloned()).collect()
+    }
 }
 
 /// A table under a heading.
@@ -84,7 +102,7 @@ impl<'a> RunComparison<'a> {
             runs,
             title,
             sections,
-            sentences,
+            said: vec![Said { of: None, sentences }],
             figures: figure(runs).into_iter().collect(),
             figures_before: SETTING,
         })
@@ -96,18 +114,18 @@ impl<'a> RunComparison<'a> {
     pub fn of_simulations(
         mut self,
         title: String,
-        sentences: Vec<String>,
+        said: Vec<Said>,
         sections: Vec<Section>,
         figures: Vec<Figure>,
     ) -> Self {
         self.sections.retain(|section| section.of == SETTING);
         self.sections.splice(0..0, sections.into_iter().filter(|section| !section.rows.is_empty()));
-        Self { title, sentences, figures, figures_before: RATING, ..self }
+        Self { title, said, figures, figures_before: RATING, ..self }
     }
 
-    /// What differs, in two sentences.
-    pub fn sentences(&self) -> &[String] {
-        &self.sentences
+    /// What differs, in two sentences; of simulations in three each.
+    pub fn sentences(&self) -> Vec<String> {
+        self.said.iter().flat_map(Said::lines).collect()
     }
 
     /// The key numbers and what of the models and predictions differs, as lines of a terminal: a column a run.
@@ -135,10 +153,15 @@ impl<'a> RunComparison<'a> {
     /// The page.
     pub fn to_html(&self) -> String {
         let (drawn, title) = (&self.figures, html(&self.title));
-        let said: String = self.sentences.iter().map(|text| format!("<p>{}</p>\n", html(text))).collect();
+        let paragraph = |text: &String| format!("<p>{}</p>\n", html(text));
+        let block = |said: &Said| {
+            let lines: String = said.lines().iter().map(paragraph).collect();
+            format!("<section class=\"verdict\" aria-label=\"What differs\">\n{lines}</section>\n")
+        };
+        let said: String = self.said.iter().map(block).collect();
         let mut body = format!(
             "<header>\n<p class=\"brand\">Crumple · comparison of runs</p>\n<h1>{title}</h1>\n\
-             <section class=\"verdict\" aria-label=\"What differs\">\n{said}</section>\n</header>\n<main>\n"
+             {said}</header>\n<main>\n"
         );
         let mut figures_to_come = Some(drawn);
         for Section { heading, of, columns, rows } in &self.sections {
@@ -180,9 +203,15 @@ impl<'a> RunComparison<'a> {
     /// The tables as Markdown, for a merge request; `again` is the command that makes it.
     pub fn to_markdown(&self, again: &str) -> String {
         let mut text = format!("{HEAD}## {}\n\n", markdown(&self.title));
-        for sentence in &self.sentences {
-            text.push_str(&format!("{}\n", markdown(sentence)));
+        for said in &self.said {
+            for (k, line) in said.lines().iter().enumerate() {
+                let line = markdown(line);
+                text.push_str(&if k == 0 { format!("**{line}**\n\n") } else { format!("- {line}\n") });
+            }
+            text.push('\n');
         }
+        text.truncate(text.trim_end().len());
+        text.push('\n');
         for Section { heading, of, columns, rows } in &self.sections {
             text.push_str(&format!("\n### {}\n\n{}", markdown(heading), to_markdown(of, columns, rows)));
         }

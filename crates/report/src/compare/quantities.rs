@@ -130,7 +130,7 @@ impl Quantity {
     /// A run's interval in the unit of people.
     pub fn interval(&self, run: usize) -> Option<String> {
         let own = self.values[run].as_ref()?;
-        let (ends, rounding) = (own.interval?, self.rounding(own));
+        let (ends, rounding) = (own.interval?, self.rounding(own, 0));
         let end = |end: Option<f64>| end.map_or_else(|| "open".to_owned(), |end| rounding.show(self.factor * end));
         Some(words::between(&end(ends[0]), &end(ends[1])))
     }
@@ -144,13 +144,28 @@ impl Quantity {
 
     /// A run's number in the unit of people.
     pub fn shown(&self, run: usize) -> String {
+        self.shown_with(run, 0)
+    }
+
+    /// With so many decimals more than the quantity has.
+    fn shown_with(&self, run: usize, more: usize) -> String {
         self.values[run].as_ref().map_or_else(
             || ABSENT.to_owned(),
             |own| {
-                let number = self.rounding(own).show(self.factor * own.value);
+                let number = self.rounding(own, more).show(self.factor * own.value);
                 format!("{}{}", own.sign, words::with_unit(number, self.unit))
             },
         )
+    }
+
+    /// Decimals that tell both values of a difference apart; 0 where they differ as they are.
+    fn decimals_to_tell(&self) -> usize {
+        /// A difference below a thousandth of the last decimal is no limit of any quantity.
+        const MOST: usize = 3;
+        if self.values.len() != 2 || !self.differs(1) {
+            return 0;
+        }
+        (0..=MOST).find(|more| self.shown_with(0, *more) != self.shown_with(1, *more)).unwrap_or(0)
     }
 
     /// Whether a run has the number and does not determine it.
@@ -158,17 +173,21 @@ impl Quantity {
         self.values[run].as_ref().is_some_and(|own| own.doubt.is_some())
     }
 
-    /// A run's number in the unit of people, or that the run does not determine it.
+    /// A run's number in the unit of people, or that the run does not determine it. Two that differ are shown with as
+    /// many decimals as tell them apart.
     pub fn known(&self, run: usize) -> String {
-        if self.is_undetermined(run) { doubt_in_words(Doubt::NotDetermined).to_owned() } else { self.shown(run) }
+        match self.is_undetermined(run) {
+            true => doubt_in_words(Doubt::NotDetermined).to_owned(),
+            false => self.shown_with(run, self.decimals_to_tell()),
+        }
     }
 
     /// The digits of a quantity, since a change that counts may be smaller than its interval; of a parameter those that
     /// a run's interval supports.
-    fn rounding(&self, own: &RunValue) -> Rounding {
+    fn rounding(&self, own: &RunValue, more: usize) -> Rounding {
         let ends = own.interval.unwrap_or_default().map(|end| end.map(|end| self.factor * end));
         match self.digits {
-            Digits::Decimals(decimals) => Rounding::of_quantity(None, decimals),
+            Digits::Decimals(decimals) => Rounding::of_quantity(None, decimals + more),
             Digits::Parameter { is_mass } => Rounding::of_ends(ends[0], ends[1]).unwrap_or(if is_mass {
                 Rounding::to_integers(self.factor * own.value)
             } else {

@@ -260,8 +260,8 @@ pub struct Suite {
     pub cases: Vec<Case>,
 }
 
-/// JUnit: one suite a record, a case a key number, parameter, prediction that differs or is a key number, what else
-/// differs, and file; a record that cannot be compared is an error.
+/// JUnit: one suite a record, a case a key number, prediction, the recommended model, its parameters, what else people
+/// decide by, and all other values; a record that cannot be compared is an error.
 pub fn to_junit(compared: &[Compared]) -> String {
     let suite = |one: &Compared| {
         let (cause, cases) = match one.review() {
@@ -309,19 +309,35 @@ pub fn junit(program: &str, failure: &str, suites: &[Suite]) -> String {
 fn cases_of(review: &Review, comparison: &Comparison) -> Vec<Case> {
     let differs = |problem: Option<String>| problem.map(|problem| (false, problem));
     let mut cases: Vec<Case> = Vec::new();
+    let in_words = |row: &Quantity| {
+        let limit = row.limit(1).unwrap_or_else(|| ABSENT.to_owned());
+        format!("{} -> {}, {}, limit {limit}", row.known(0), row.known(1), change(row))
+    };
     for row in &review.rows {
         let group = match row.group {
             Group::KeyNumber => "key_numbers",
-            Group::Parameter => "parameters",
-            Group::Prediction | Group::PredictedDetail => "predictions",
+            Group::Prediction => "predictions",
+            Group::Parameter | Group::PredictedDetail => continue,
         };
-        let limit = row.limit(1).unwrap_or_else(|| ABSENT.to_owned());
-        let problem = format!("{} -> {}, {}, limit {limit}", row.known(0), row.known(1), change(row));
-        cases.push((group, row.key.clone(), differs(row.differs(1).then_some(problem))));
+        cases.push((group, plain(&row.name), differs(row.differs(1).then(|| in_words(row)))));
     }
-    for fact in &review.facts {
-        cases.push(("facts", fact.key.clone(), differs(Some(fact.values.join(" -> ")))));
+    // What follows from these, and what only a program reads, is one case each: one cause is no hundred failures.
+    let of_group = |wanted: Group| review.rows.iter().filter(move |row| row.group == wanted);
+    for (group, name, wanted) in [
+        ("models", "parameters of the recommended model", Group::Parameter),
+        ("predictions", "intervals and details of the predictions", Group::PredictedDetail),
+    ] {
+        let list: Vec<String> = of_group(wanted)
+            .filter(|row| row.differs(1))
+            .map(|row| format!("{}: {}", plain(&row.name), in_words(row)))
+            .collect();
+        if of_group(wanted).next().is_some() {
+            cases.push((group, name.to_owned(), differs(first_of(&list))));
+        }
     }
+    let facts: Vec<String> =
+        review.facts.iter().map(|fact| format!("{} {}", fact.key, fact.values.join(" -> "))).collect();
+    cases.push(("other", "status, warnings and all else that people decide by".to_owned(), differs(first_of(&facts))));
     let [before, after] = &review.models;
     if before != after {
         cases.push(("models", "recommended model".to_owned(), differs(Some(review.model()))));
@@ -329,21 +345,30 @@ fn cases_of(review: &Review, comparison: &Comparison) -> Vec<Case> {
     if let Some(problem) = review.artifacts_line().filter(|_| review.artifacts_count()) {
         cases.push(("artifacts", "artifacts".to_owned(), differs(Some(problem))));
     }
-    for file in &comparison.files {
+    // The numbers and the model of a file have cases of their own.
+    let of_file = |file: &crumple_diff::FileReport| {
         let apart = file.topics.iter().filter(|topic| !topic.same).count();
-        let problem = match file.only_in {
-            Some(_) => Some("on one side only".to_owned()),
-            None if apart > 0 => Some(format!("{apart} of {} topics differ", file.topics.len())),
-            // Its numbers and its model have cases of their own.
-            None => None,
-        };
-        cases.push(("files", format!("all other values of {}", file.name), differs(problem)));
+        match file.only_in {
+            Some(_) => Some(format!("{} on one side only", file.name)),
+            None => (apart > 0).then(|| format!("{apart} of {} topics of {} differ", file.topics.len(), file.name)),
+        }
+    };
+    let files: Vec<String> = comparison.files.iter().filter_map(of_file).collect();
+    if !comparison.files.is_empty() {
+        cases.push(("files", "all other values".to_owned(), differs(first_of(&files))));
     }
     cases
 }
 
-/// Most changes that an annotation names.
-const OF_ANNOTATION: usize = 20;
+/// The first of a list, and how many more there are; `None` of an empty one.
+fn first_of(list: &[String]) -> Option<String> {
+    let shown = list[..list.len().min(OF_ANNOTATION)].join("; ");
+    let more = list.len().saturating_sub(OF_ANNOTATION);
+    (!list.is_empty()).then(|| if more > 0 { format!("{shown}; and {more} more") } else { shown })
+}
+
+/// Most changes that an annotation or a failed case names: what is read beside a line.
+const OF_ANNOTATION: usize = 3;
 
 /// Annotations of GitHub: one line a comparison that differs, at the line of its cause where that is known.
 pub fn to_github(compared: &[Compared]) -> String {
@@ -361,10 +386,7 @@ pub fn to_github(compared: &[Compared]) -> String {
         let of_rows = review.differing().map(|row| format!("{} {} -> {}", row.name, row.known(0), row.known(1)));
         let of_facts = review.facts.iter().map(|fact| format!("{} {}", fact.key, fact.values.join(" -> ")));
         let said: Vec<String> = of_rows.chain(of_facts).collect();
-        let more = said.len().saturating_sub(OF_ANNOTATION);
-        let more = if more > 0 { format!("; and {more} more") } else { String::new() };
-        let said =
-            if said.is_empty() { review.model() } else { said[..said.len().min(OF_ANNOTATION)].join("; ") + &more };
+        let said = first_of(&said).unwrap_or_else(|| review.model());
         let title = property(&format!("{}: results changed", review.name));
         text.push_str(&format!("::error {place}title={title}::{}\n", data(&format!("{}. {said}", review.cause()))));
     }

@@ -9,12 +9,14 @@ use crumple_signal::{
 use crumple_stage::{Call, ExitStatus, Inputs, Usage, columns, refuse_to_overwrite, say, to_stdout, wrapped};
 
 use super::compare::{as_typed, read_run, refuse_one_run, write};
+use crate::compare::document::Said;
+use crate::compare::first_screen::shell_word;
 use crate::compare::review_files::junit;
 use crate::validate::checks::ModelRecords;
 use crate::validate::figures::figures;
 use crate::validate::requirements::Requirement;
 use crate::validate::tables::{broken_lines, sections, suites, to_json};
-use crate::validate::validation::{Side, Validation};
+use crate::validate::validation::{NoComparison, Side, Validation};
 use crate::{ComparedRun, RunComparison};
 
 /// What is asked of a validation, and what it writes.
@@ -120,31 +122,28 @@ pub fn validate(
         .collect();
     // Tests stand in front of the first simulation; where no run is one by its files, the first is the test.
     let tests = sides.iter().take_while(|side| !side.is_simulated()).count();
-    let (tests, simulations) = sides.split_at(if tests == sides.len() { 1 } else { tests.max(1) });
+    if tests < sides.len() {
+        in_order(&sides, folders)?;
+    }
+    let (tests, simulations) = sides.split_at(if tests == sides.len() { 1 } else { tests });
     let pairs: Vec<(&Side<'_>, &Side<'_>)> =
         simulations.iter().flat_map(|one| tests.iter().map(move |test| (test, one))).collect();
-    let all: Result<Vec<Validation>, String> =
+    let all: Result<Vec<Validation>, NoComparison> =
         pairs.iter().map(|(test, one)| Validation::new(test, one, tests.len() > 1, &requirements)).collect();
     let all = match all {
         Ok(all) => all,
-        Err(problem) => {
-            say(format_args!("error: nothing to compare: {problem}\n  hint: see its report for the reason"));
+        Err(NoComparison { problem, hint }) => {
+            say(format_args!("error: nothing to compare: {problem}\n  hint: {hint}"));
             return Ok(ExitStatus::NoAcceptableResult);
         }
     };
-    let sentences: Vec<String> = all
-        .iter()
-        .flat_map(|one| {
-            let name = if all.len() > 1 { format!("{}: ", one.name) } else { String::new() };
-            let [first, place, trust] = one.verdict.sentences();
-            [name + &first, place, trust]
-        })
-        .collect();
+    let of = |one: &Validation| Some(one.name.clone()).filter(|_| all.len() > 1);
+    let said = all.iter().map(|one| Said { of: of(one), sentences: one.verdict.sentences() }).collect();
     let names = |sides: &[Side<'_>]| sides.iter().map(|side| side.run.name.clone()).collect::<Vec<_>>().join(", ");
     let title = format!("{} against {}", names(simulations), names(tests));
     let comparison = RunComparison::new(&runs)?.of_simulations(
         title,
-        sentences,
+        said,
         sections(&pairs, &all),
         figures(tests, simulations, &all),
     );
@@ -168,5 +167,29 @@ pub fn validate(
     }
     let broken = broken_lines(&all);
     broken.iter().for_each(|line| say(format_args!("error: {line}")));
-    Ok(if broken.is_empty() { ExitStatus::Done } else { ExitStatus::Failure })
+    let is_compared = all.iter().all(|one| one.verdict.foreign_pulse.is_none());
+    Ok(match (broken.is_empty(), is_compared) {
+        (false, _) => ExitStatus::Failure,
+        (true, false) => ExitStatus::NoAcceptableResult,
+        (true, true) => ExitStatus::Done,
+    })
+}
+
+/// Errors: a test stands behind a simulation, or no run is a test.
+fn in_order(sides: &[Side<'_>], folders: &[PathBuf]) -> Result<(), Usage> {
+    let named = |is_simulated: bool| {
+        sides.iter().zip(folders).filter(move |(side, _)| side.is_simulated() == is_simulated).map(|(_, folder)| folder)
+    };
+    let Some(first_test) = named(false).next() else {
+        let hint = "put the run of the test in front; without --validate any runs are compared";
+        return Err(Usage::new("all runs are simulations, and none is a test").hint(hint));
+    };
+    if sides.is_sorted_by_key(Side::is_simulated) {
+        return Ok(());
+    }
+    let late = named(true).next().unwrap_or(first_test);
+    let words = named(false).chain(named(true)).map(|folder| shell_word(&folder.display().to_string()));
+    let order = words.collect::<Vec<_>>().join(" ");
+    let problem = format!("{} is a simulation and stands in front of a test", late.display());
+    Err(Usage::new(problem).hint(format!("crumple compare {order} --validate")))
 }

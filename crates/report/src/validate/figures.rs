@@ -45,7 +45,10 @@ pub fn figures(tests: &[Side<'_>], simulations: &[Side<'_>], validations: &[Vali
         let mut panel = over_time_axis(view, Axis::of((side.run.name.as_str(), "kJ")));
         for (k, (name, wave)) in side.model.0.iter().filter(|(name, _)| name.ends_with("_energy")).enumerate() {
             if wave.samples().iter().any(|x| *x != 0.0) {
-                let entry = energies.entry(name.replace('_', " "), Look::of_series(k), true);
+                let kind = name.trim_end_matches("_energy").replace('_', " ");
+                let title =
+                    if simulations.len() > 1 { format!("{}, {kind}", side.run.name) } else { format!("{kind} energy") };
+                let entry = energies.entry(title, Look::of_series(k), true);
                 panel.line(entry, over_time(wave, KILO));
             }
         }

@@ -98,6 +98,10 @@ pub fn help() -> String {
 impl Typed {
     fn read(self, text: &str) -> Result<f64, String> {
         let said = |error: &dyn std::fmt::Display| error.to_string();
+        let (_, _, unit) = self.unit();
+        if !unit.is_empty() && text.parse::<f64>().is_ok() {
+            return Err(format!("{text:?} has no unit: write {text}{unit}"));
+        }
         match self {
             Self::Length => text.parse::<Length>().map(Length::si).map_err(|error| said(&error)),
             Self::Time => text.parse::<Time>().map(Time::si).map_err(|error| said(&error)),
@@ -111,17 +115,22 @@ impl Typed {
         }
     }
 
-    /// A value for people.
-    fn shown(self, value: f64) -> String {
+    /// Factor from SI, decimals and unit for people; nothing of a plain number.
+    fn unit(self) -> (f64, usize, &'static str) {
         use crate::drawing::numbers::{G_PER_M_PER_S2, KM_PER_H_PER_M_PER_S, MILLI};
-        let (factor, places, unit) = match self {
+        match self {
             Self::Length => (MILLI, 1, "mm"),
             Self::Time => (MILLI, 1, "ms"),
             Self::Speed => (KM_PER_H_PER_M_PER_S, 2, "km/h"),
             Self::Acceleration => (G_PER_M_PER_S2, 1, "g"),
             Self::Percent => (100.0, 1, "%"),
             Self::Number => (1.0, 3, ""),
-        };
+        }
+    }
+
+    /// A value for people.
+    fn shown(self, value: f64) -> String {
+        let (factor, places, unit) = self.unit();
         crate::words::quantity(factor * value, places, unit)
     }
 }
@@ -147,7 +156,7 @@ mod tests {
         for (text, problem) in [
             ("crush<20mm", "expected NAME<=VALUE"),
             ("mass<=2kg", "unknown number \"mass\", expected one of crush,"),
-            ("crush<=20", "crush<=20:"),
+            ("crush<=20", "crush<=20: \"20\" has no unit: write 20mm"),
             ("olc<=x", "olc<=x:"),
             ("velocity-iso>=nan", "is no number"),
         ] {

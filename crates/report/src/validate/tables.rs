@@ -4,14 +4,15 @@ use crumple_signal::display::unit_shown;
 use crumple_signal::key_quantities::KeyQuantity;
 use serde_json::{Value, json};
 
-use super::requirements::shown;
+use super::checks::{Check, Outcome};
+use super::requirements::{Requirement, shown};
 use super::segments::Segment;
 use super::validation::{Side, Validation};
 use crate::ComparedRun;
 use crate::compare::document::{RATING, Section};
 use crate::compare::numbers::row;
 use crate::compare::quantities::{Group, engineering, quantities};
-use crate::compare::review_files::Suite;
+use crate::compare::review_files::{Case, Suite};
 use crate::compare::table::{Cell, Row};
 use crate::drawing::numbers::{ABSENT, KILO, MILLI};
 use crate::findings::capitalised;
@@ -151,13 +152,12 @@ fn parameters(runs: [&ComparedRun; 2], ids: &[String; 2]) -> Section {
 }
 
 fn checks(all: &[Validation]) -> Vec<Row> {
-    let name =
-        |check: &super::checks::Check| format!("{}: {} ({})", capitalised(check.what), check.limit(), check.source);
+    let name = |check: &Check| format!("{}: {} ({})", capitalised(check.what), check.limit(), check.source);
     let cell = |one: &Validation, wanted: &str| {
         let check = one.verdict.checks.iter().find(|check| name(check) == wanted)?;
         let value = check.value.map(|value| shown(check.name, value));
         let text = value.map_or_else(String::new, |value| format!("{value}, ")) + check.outcome.word();
-        Some(Cell { text, differs: check.outcome == super::checks::Outcome::Failed, ..Cell::default() })
+        Some(Cell { text, differs: check.outcome == Outcome::Failed, ..Cell::default() })
     };
     rows(&names(all, |one| one.verdict.checks.iter().map(name).collect()), all, cell)
 }
@@ -192,17 +192,30 @@ fn required(all: &[Validation]) -> Vec<Row> {
     rows(&names(all, |one| one.required.iter().map(|(one, _)| one.text.clone()).collect()), all, cell)
 }
 
-/// The suites of JUnit: a case a requirement.
+/// The suites of JUnit: a case a requirement, and one each check of what is in the file and is not required.
 pub fn suites(all: &[Validation]) -> Vec<Suite> {
+    let required = |one: &Validation| -> Vec<Case> {
+        let case = |(own, _): &(Requirement, Option<f64>)| {
+            ("required", own.text.clone(), broken(one, &own.text).map(|problem| (false, problem)))
+        };
+        one.required.iter().map(case).collect()
+    };
+    let checked = |one: &Validation| -> Vec<Case> {
+        let is_required = |check: &&Check| one.required.iter().any(|(own, _)| own.name == check.name);
+        let known = one.verdict.checks.iter().filter(|check| check.value.is_some() && !is_required(check));
+        let case = |check: &Check| {
+            let value = check.value.map(|value| shown(check.name, value)).unwrap_or_default();
+            let problem = format!("{} is {value}, limit {} ({})", check.what, check.limit(), check.source);
+            let is_failed = check.outcome == Outcome::Failed;
+            ("checks", check.name.to_owned(), is_failed.then_some((false, problem)))
+        };
+        known.map(case).collect()
+    };
     let suite = |one: &Validation| Suite {
         name: one.name.clone(),
         cause: one.verdict.sentences().join(" "),
         error: "unknown",
-        cases: one
-            .required
-            .iter()
-            .map(|(own, _)| ("required", own.text.clone(), broken(one, &own.text).map(|problem| (false, problem))))
-            .collect(),
+        cases: [required(one), checked(one)].concat(),
     };
     all.iter().map(suite).collect()
 }
@@ -224,6 +237,7 @@ pub fn to_json(all: &[Validation]) -> Value {
             "name": one.name,
             "test": one.test,
             "sentences": one.verdict.sentences(),
+            "decision": one.verdict.crush.as_ref().map(|crush| crush.decision()),
             "verdict": one.verdict,
             "differences": one.differences,
             "segments": {"wall": one.wall, "engine": one.front, "deceleration": one.deceleration},

@@ -1,15 +1,15 @@
 //! A simulation beside its test: all numbers of the comparison.
 
-use crumple_signal::{Sampled, TestDescription};
+use crumple_signal::{HALF_OF_90_PERCENT, Sampled, TestDescription};
 
 use super::checks::{Impact, ModelRecords};
 use super::ratings::Rating;
 use super::requirements::Requirement;
 use super::segments::{Accuracy, REPEAT_SCATTER, Segment, by_deceleration, by_wall, edges, ratios, ring};
-use super::verdict::{Difference, Place, Reason, Verdict};
+use super::verdict::{Difference, ForeignPulse, OpenContact, Place, Reason, Verdict};
 use crate::ComparedRun;
 use crate::drawing::numbers::MILLI;
-use crate::findings::{KeyNumber, Status};
+use crate::findings::{KeyNumber, Status, conclusion};
 use crate::words;
 
 /// Curves are rated up to this long after the end of crush, s.
@@ -19,6 +19,10 @@ const SAME_TEST: f64 = 0.01;
 /// Remarks that say what was taken for the motion of a simulation.
 const TAKEN: [(&str, &str); 5] =
     [("CR171", "units"), ("CR173", "direction"), ("CR174", "acceleration"), ("CR177", "wall"), ("CR180", "states")];
+/// The remark that a pulse is not that of the compartment.
+const NOT_OF_COMPARTMENT: &str = "CR123";
+/// Contact is named as the cause of a wide interval if it makes up at least this part of its variance.
+const MOST: f64 = 0.5;
 /// Names of the differences in a requirement.
 const DIFFERENCES: [(&str, &str); 6] = [
     ("crush", "dynamic_crush"),
@@ -91,6 +95,56 @@ impl Side<'_> {
     fn test(&self) -> &TestDescription {
         &self.run.run.test
     }
+
+    /// What says that its pulse is not that of the compartment.
+    fn foreign_pulse(&self) -> Option<ForeignPulse> {
+        let remark = self.run.run.remarks.iter().find(|remark| remark.code == NOT_OF_COMPARTMENT)?;
+        let remedy = remark.remedy.clone().filter(|_| !self.is_simulated());
+        let remedy = remedy.unwrap_or_else(|| "name a node of the compartment by --node".to_owned());
+        Some(ForeignPulse { run: self.run.name.clone(), text: remark.text.clone(), remedy })
+    }
+
+    /// Its contact, where that makes up most of the interval of a crush.
+    fn open_contact(&self, crush: &Difference) -> Option<OpenContact> {
+        let contact = self.test().contact.as_ref()?;
+        let deviation_s = contact.uncertainty_s?.deviation();
+        let half_m = HALF_OF_90_PERCENT * deviation_s * self.test().impact_speed_m_per_s?;
+        let half_of_all_m = 0.5 * (crush.high? - crush.low?);
+        let is_most = half_m.powi(2) >= MOST * half_of_all_m.powi(2);
+        is_most.then_some(OpenContact { by_s: deviation_s, taken_s: contact.source_time_s })
+    }
+}
+
+/// Why two runs cannot be compared.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NoComparison {
+    /// What is missing.
+    pub problem: String,
+    /// One thing to do.
+    pub hint: String,
+}
+
+impl NoComparison {
+    /// A side without a motion: the mass and speed that it does not state are those of the other one, where that has
+    /// them.
+    fn no_motion(side: &Side<'_>, other: &Side<'_>) -> Self {
+        let (own, other) = (side.test(), other.test());
+        let missing = |own: Option<f64>, other: Option<f64>| other.filter(|_| own.is_none());
+        let speed = missing(own.impact_speed_m_per_s, other.impact_speed_m_per_s);
+        let mass = missing(own.mass_kg, other.mass_kg);
+        // Four digits, as a flag reads them.
+        let digits = |x: f64| format!("{x:.3e}").parse().unwrap_or(x);
+        let flags = [
+            mass.map(|mass_kg| format!("--mass {}kg", digits(mass_kg))),
+            speed.map(|m_per_s| format!("--impact-speed {}m/s", digits(m_per_s))),
+        ];
+        let flags: Vec<String> = flags.into_iter().flatten().collect();
+        let hint = match speed {
+            Some(_) => format!("add {} (those of the other run), if {} had the same", flags.join(" "), side.run.name),
+            None => "see its report for the reason".to_owned(),
+        };
+        Self { problem: format!("{} has no velocity after contact", side.run.name), hint }
+    }
 }
 
 /// Simulation less test, for a key number that both have.
@@ -156,19 +210,27 @@ impl Validation {
         simulation: &Side<'_>,
         of_several: bool,
         requirements: &[Requirement],
-    ) -> Result<Self, String> {
-        let no_motion = |side: &Side<'_>| side.run.run.measured.velocity.is_none();
-        if let Some(side) = [test, simulation].into_iter().find(|side| no_motion(side)) {
-            return Err(format!("{} has no velocity after contact", side.run.name));
+    ) -> Result<Self, NoComparison> {
+        let is_still = |side: &Side<'_>| side.run.run.measured.velocity.is_none();
+        for (side, other) in [(test, simulation), (simulation, test)] {
+            if is_still(side) {
+                return Err(NoComparison::no_motion(side, other));
+            }
         }
-        let [deceleration, wall, front] = segments(test, simulation).unwrap_or_default();
-        let differences: Vec<Difference> =
-            DIFFERENCES.iter().filter_map(|(_, name)| difference(name, test, simulation)).collect();
+        let foreign_pulse = test.foreign_pulse().or_else(|| simulation.foreign_pulse());
+        // A number of an engine beside that of a compartment is none.
+        let is_of_car = foreign_pulse.is_none();
+        let [deceleration, wall, front] = segments(test, simulation).filter(|_| is_of_car).unwrap_or_default();
+        let names = DIFFERENCES.iter().filter(|_| is_of_car);
+        let differences: Vec<Difference> = names.filter_map(|(_, name)| difference(name, test, simulation)).collect();
         let impact =
             Impact { mass_kg: simulation.test().mass_kg, wall: simulation.run.run.measured.barrier_force.as_ref() };
         let of_front = if front.is_empty() { &wall } else { &front };
+        let crush = differences.iter().find(|one| one.name == "dynamic_crush").cloned();
         let verdict = Verdict {
-            crush: differences.iter().find(|one| one.name == "dynamic_crush").cloned(),
+            open_contact: crush.as_ref().and_then(|crush| test.open_contact(crush)),
+            foreign_pulse,
+            crush,
             place: Place::of(&deceleration, of_front, !front.is_empty()),
             reasons: reasons(test, simulation),
             checks: simulation.model.checks(impact, requirements),
@@ -179,7 +241,8 @@ impl Validation {
             ("velocity", a.measured.velocity.as_ref().zip(b.measured.velocity.as_ref())),
             ("acceleration", a.acceleration().zip(b.acceleration())),
         ];
-        let ratings = waves.into_iter().filter_map(|(name, both)| Rating::new(name, both?.0, both?.1, to_s)).collect();
+        let waves = waves.into_iter().filter(|_| is_of_car);
+        let ratings = waves.filter_map(|(name, both)| Rating::new(name, both?.0, both?.1, to_s)).collect();
         let (name, of_test) = (simulation.run.name.clone(), test.run.name.clone());
         let mut validation = Self {
             name: if of_several { format!("{name} against {of_test}") } else { name },
@@ -192,7 +255,7 @@ impl Validation {
             ratings,
             required: Vec::new(),
             assumed: assumed(test, simulation),
-            family: family(test.run, simulation.run),
+            family: family(test.run, simulation.run).filter(|_| is_of_car),
         };
         validation.required = requirements.iter().map(|one| (one.clone(), validation.number(one.name))).collect();
         Ok(validation)
@@ -235,11 +298,19 @@ fn reasons(test: &Side<'_>, simulation: &Side<'_>) -> Vec<Reason> {
         ((simulation / test - 1.0).abs() > SAME_TEST).then_some(Reason::OtherTest { what, test, simulation })
     });
     // What is marked at the simulation's record: a missing start, foreign axes or units, an undersampled wall.
-    let grave = simulation.run.run.remarks.iter().filter(|remark| remark.stage == "ingest" && remark.weight > 1);
+    let grave = simulation
+        .run
+        .run
+        .remarks
+        .iter()
+        .filter(|remark| remark.stage == "ingest" && remark.weight > 1 && remark.code != NOT_OF_COMPARTMENT);
     let remarks = grave.map(|remark| Reason::Remark { code: remark.code.clone(), text: remark.text.clone() });
-    let verdict = &test.run.summary.verdict;
-    let unusable =
-        (verdict.status == Some(Status::DoNotUse)).then(|| Reason::Test { text: verdict.status_sentence.clone() });
+    // A sentence of the test points to its own list of warnings: the gravest itself is said here.
+    let is_unusable = test.run.summary.verdict.status == Some(Status::DoNotUse) && test.foreign_pulse().is_none();
+    let unusable = is_unusable.then(|| {
+        let (said, concerns) = conclusion(&test.run.run, &test.run.ranking);
+        Reason::Test { text: concerns.first().map_or(said.because, |gravest| gravest.text.clone()) }
+    });
     other.chain(remarks).chain(unusable).collect()
 }
 

@@ -1,4 +1,4 @@
-//! The three sentences: stiffer, softer or equal; where and by which force; what forbids trust.
+//! The three sentences: stiffer, softer, equal or undecided; where and by which force; what forbids trust.
 
 use crumple_signal::display::unit_shown;
 use serde::Serialize;
@@ -100,11 +100,49 @@ pub enum Reason {
     },
 }
 
+/// What the crush of both says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Decision {
+    /// The simulation has less crush.
+    Stiffer,
+    /// It has more.
+    Softer,
+    /// The interval of the difference holds 0 and no difference that counts.
+    Equal,
+    /// The interval holds 0 and differences that count.
+    Undecided,
+}
+
+/// A pulse that does not show the motion of the compartment: nothing of the vehicle can be compared by it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ForeignPulse {
+    /// Name of the run.
+    pub run: String,
+    /// What its reader says.
+    pub text: String,
+    /// One thing to do.
+    pub remedy: String,
+}
+
+/// An uncertain contact.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct OpenContact {
+    /// How uncertain it is, s.
+    pub by_s: f64,
+    /// Where it was taken to be, on the time axis of the file, s.
+    pub taken_s: f64,
+}
+
 /// What a comparison comes to.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Verdict {
+    /// Why nothing of the vehicle is compared.
+    pub foreign_pulse: Option<ForeignPulse>,
     /// The crush; `None`: one of both has none.
     pub crush: Option<Difference>,
+    /// Contact of the test, where it makes up most of the interval of the crush.
+    pub open_contact: Option<OpenContact>,
     /// Where they differ.
     pub place: Place,
     /// What forbids trust, beside the checks.
@@ -178,17 +216,47 @@ impl Difference {
         }
     }
 
-    fn sentence(&self) -> String {
+    /// Stiffer or softer where the interval excludes 0. Equal where it holds no difference that counts: a force that
+    /// is off by [`REPEAT_SCATTER`] everywhere, as of two equal tests, moves the crush by at most that share, since the
+    /// energy is force times crush. Else nothing is decided.
+    pub fn decision(&self) -> Decision {
+        let counts_m = REPEAT_SCATTER * self.test.abs();
+        let is_within = |end: Option<f64>| end.is_none_or(|end| end.abs() <= counts_m);
+        match () {
+            () if self.is_apart() && self.difference > 0.0 => Decision::Softer,
+            () if self.is_apart() => Decision::Stiffer,
+            () if is_within(self.low) && is_within(self.high) => Decision::Equal,
+            () => Decision::Undecided,
+        }
+    }
+
+    fn sentence(&self, contact: Option<OpenContact>) -> String {
         let mm = |x: f64| words::quantity(MILLI * x.abs(), 0, "mm");
         let number = |x: f64| words::cell(MILLI * x.abs(), 0, "mm");
         let both = format!("{} against {} in the test", mm(self.simulation), mm(self.test));
-        let interval = self.low.zip(self.high);
-        if !self.is_apart() {
-            let most = interval.map_or(0.0, |(low, high)| low.abs().max(high.abs()));
-            return format!("Equal: no difference of crush beyond ±{}, {both}.", mm(most));
-        }
-        let (word, side) = if self.difference > 0.0 { ("softer", "more") } else { ("stiffer", "less") };
-        let known = interval.map_or_else(
+        let side = if self.difference > 0.0 { "more" } else { "less" };
+        let signed = self.low.zip(self.high).map(|(low, high)| {
+            let [low, high] = [low, high].map(|end| words::signed_cell(MILLI * end, 0, "mm"));
+            words::with_unit(words::between(&low, &high), unit_shown("mm"))
+        });
+        let word = match self.decision() {
+            Decision::Equal => {
+                let known = signed.map_or_else(String::new, |ends| format!(" (90\u{a0}% of the difference: {ends})"));
+                return format!("Equal: {both}{known}.");
+            }
+            Decision::Undecided => {
+                let counts = words::with_unit(decimals(100.0 * REPEAT_SCATTER, 0), "%");
+                let cause = contact.map_or_else(
+                    || format!("The interval is wider than ±{counts} of the crush, which would count as equal."),
+                    OpenContact::sentence,
+                );
+                let ends = signed.unwrap_or_default();
+                return format!("Undecided: the 90\u{a0}% interval of the difference is {ends}, {both}. {cause}");
+            }
+            Decision::Softer => "softer",
+            Decision::Stiffer => "stiffer",
+        };
+        let known = self.low.zip(self.high).map_or_else(
             || "without an interval".to_owned(),
             |(low, high)| {
                 let [near, far] = if low > 0.0 { [low, high] } else { [high, low] };
@@ -200,14 +268,32 @@ impl Difference {
     }
 }
 
+impl OpenContact {
+    fn sentence(self) -> String {
+        let by = words::quantity(MILLI * self.by_s, 1, "ms");
+        // To the microsecond, without a negative zero.
+        let taken_s = (self.taken_s * 1e6).round() / 1e6 + 0.0;
+        format!("Contact in the test is uncertain by {by}: add --time-zero {taken_s}s if it is known to be there.")
+    }
+}
+
+impl ForeignPulse {
+    fn sentence(&self) -> String {
+        format!("Not compared: in {}, {}. To compare, {}.", self.run, self.text, self.remedy)
+    }
+}
+
 impl Verdict {
-    /// The three sentences.
-    pub fn sentences(&self) -> [String; 3] {
+    /// The three sentences; where nothing of the vehicle can be compared, why, and what forbids trust.
+    pub fn sentences(&self) -> Vec<String> {
+        if let Some(foreign) = &self.foreign_pulse {
+            return vec![foreign.sentence(), self.trust()];
+        }
         let crush = self.crush.as_ref().map_or_else(
             || "Crush cannot be compared: one of both does not come to rest.".to_owned(),
-            Difference::sentence,
+            |crush| crush.sentence(self.open_contact),
         );
-        [crush, self.where_differs(), self.trust()]
+        vec![crush, self.where_differs(), self.trust()]
     }
 
     fn where_differs(&self) -> String {
@@ -295,8 +381,8 @@ impl Reason {
                 let [test, simulation] = [test, simulation].map(|x| words::quantity(*x, places, unit));
                 format!("the {what} is {simulation}, that of the test {test}")
             }
-            Self::Remark { code, text } => format!("{text} [{code}]"),
-            Self::Test { text } => format!("the test: {text}"),
+            Self::Remark { code, text } => format!("{} [{code}]", text.trim_end_matches('.')),
+            Self::Test { text } => format!("the test is not to be used, {}", text.trim_end_matches('.')),
         }
     }
 }
@@ -322,12 +408,19 @@ mod tests {
             low,
             high,
         };
-        Verdict { crush: Some(crush), place, reasons: Vec::new(), checks: Vec::new() }
+        Verdict {
+            foreign_pulse: None,
+            crush: Some(crush),
+            open_contact: None,
+            place,
+            reasons: Vec::new(),
+            checks: Vec::new(),
+        }
     }
 
     /// The sentences with plain blanks.
-    fn said(verdict: &Verdict) -> [String; 3] {
-        verdict.sentences().map(|text| text.replace('\u{a0}', " "))
+    fn said(verdict: &Verdict) -> Vec<String> {
+        verdict.sentences().iter().map(|text| text.replace('\u{a0}', " ")).collect()
     }
 
     #[test]
@@ -366,7 +459,7 @@ mod tests {
         assert_eq!(
             said(&verdict),
             [
-                "Equal: no difference of crush beyond ±9 mm, 755 mm against 755 mm in the test.",
+                "Equal: 755 mm against 755 mm in the test (90 % of the difference: −9 to +9 mm).",
                 "No segment of 100 mm differs by more than 5 % (two equal tests may), by wall force and deceleration.",
                 "Nothing says whether to trust it: the simulation's files have no energies.",
             ]
@@ -375,5 +468,38 @@ mod tests {
         let text = &said(&verdict)[2];
         assert_eq!(text, "Do not rely on it before this is settled: the mass is 1450 kg, that of the test 1500 kg.");
         assert_eq!(Place::of(&[], &[], false), Place::Unknown);
+    }
+
+    #[test]
+    fn a_wide_interval_decides_nothing_and_its_cause_is_named() {
+        let mut verdict = verdict(Place::Unknown, -0.056);
+        let crush = verdict.crush.as_mut().unwrap();
+        (crush.low, crush.high) = (Some(-0.115), Some(0.002));
+        verdict.open_contact = Some(OpenContact { by_s: 0.0023, taken_s: 0.0 });
+        assert_eq!(
+            said(&verdict)[0],
+            "Undecided: the 90 % interval of the difference is −115 to +2 mm, 699 mm against 755 mm in the test. \
+             Contact in the test is uncertain by 2.3 ms: add --time-zero 0s if it is known to be there."
+        );
+        // ±5 % of the crush of 755 mm is ±38 mm.
+        let decided = |low, high| Difference { low: Some(low), high: Some(high), ..verdict.crush.clone().unwrap() };
+        assert_eq!(decided(-0.037, 0.037).decision(), Decision::Equal);
+        assert_eq!(decided(-0.039, 0.037).decision(), Decision::Undecided);
+        assert_eq!(decided(-0.115, -0.002).decision(), Decision::Stiffer);
+    }
+
+    #[test]
+    fn a_pulse_of_the_engine_says_nothing_of_the_car() {
+        let foreign = ForeignPulse {
+            run: "test".into(),
+            text: "the channel sits elsewhere (engine)".into(),
+            remedy: "name another one by --channel".into(),
+        };
+        let verdict = Verdict { foreign_pulse: Some(foreign), ..verdict(Place::Unknown, 0.1) };
+        let text = said(&verdict);
+        let first =
+            "Not compared: in test, the channel sits elsewhere (engine). To compare, name another one by --channel.";
+        assert_eq!((text.len(), text[0].as_str()), (2, first));
+        assert!(text[1].starts_with("Nothing says whether to trust it"), "{text:?}");
     }
 }

@@ -1,5 +1,6 @@
 //! What `damage` prints: results, warnings, and what is assumed.
 
+use crumple_signal::display::{sentence, shown};
 use crumple_signal::key_quantities::KM_PER_H_PER_M_PER_S;
 use crumple_stage::labelled;
 
@@ -19,20 +20,42 @@ pub(super) const ACCURACY: &str = "Published accuracy of the method: 95 % limits
     with 40 % offset (41 tests, O'Neill et al. 1996). WinSMASH is 23 % low against recorders without restitution, \
     1 % with it (121 frontal crashes, Niehoff and Gabler 2006).";
 
-fn km_h(speed_m_per_s: f64) -> String {
-    format!("{:.1} km/h", KM_PER_H_PER_M_PER_S * speed_m_per_s)
+/// A number from SI as metric pages show it, with its unit, or that of the reader.
+fn number(value: f64, metric: (f64, usize, &'static str)) -> (String, &'static str) {
+    let (factor, places, unit) = shown(metric);
+    (format!("{:.places$}", factor * value), unit)
 }
 
-fn km_h_range([low, high]: [f64; 2]) -> String {
-    format!("{:.1} to {:.1} km/h", KM_PER_H_PER_M_PER_S * low, KM_PER_H_PER_M_PER_S * high)
+fn quantity(value: f64, metric: (f64, usize, &'static str)) -> String {
+    let (number, unit) = number(value, metric);
+    format!("{number} {unit}")
+}
+
+fn range([low, high]: [f64; 2], metric: (f64, usize, &'static str)) -> String {
+    format!("{} to {}", number(low, metric).0, quantity(high, metric))
+}
+
+const SPEED: (f64, usize, &str) = (KM_PER_H_PER_M_PER_S, 1, "km/h");
+const ENERGY: (f64, usize, &str) = (1e-3, 1, "kJ");
+
+fn km_h(speed_m_per_s: f64) -> String {
+    quantity(speed_m_per_s, SPEED)
+}
+
+fn km_h_range(ends: [f64; 2]) -> String {
+    range(ends, SPEED)
 }
 
 fn kj(energy_j: f64) -> String {
-    format!("{:.1} kJ", 1e-3 * energy_j)
+    quantity(energy_j, ENERGY)
 }
 
 fn mm(length_m: f64) -> String {
-    format!("{:.0} mm", 1e3 * length_m)
+    quantity(length_m, (1e3, 0, "mm"))
+}
+
+fn kg(mass_kg: f64) -> String {
+    quantity(mass_kg, (1.0, 0, "kg"))
 }
 
 /// `(95 %: 30.1 to 37.2 km/h)` behind a speed, where it has an interval.
@@ -53,8 +76,9 @@ pub(super) fn lines(result: &DamageResult) -> Vec<String> {
     if let Some(collision) = &result.collision {
         rows.extend(collision_rows(collision));
     }
-    rows.extend(result.warnings.iter().map(|text| ("warning".to_owned(), text.clone())));
-    rows.extend(result.assumed.iter().map(|text| ("assumed".to_owned(), text.clone())));
+    // Sentences of the result are SI, as its JSON is.
+    rows.extend(result.warnings.iter().map(|text| ("warning".to_owned(), sentence(text).into_owned())));
+    rows.extend(result.assumed.iter().map(|text| ("assumed".to_owned(), sentence(text).into_owned())));
     rows.push(("accuracy".to_owned(), ACCURACY.to_owned()));
     rows.iter().flat_map(|(label, text)| labelled(label, LABEL, text, WIDTH)).collect()
 }
@@ -75,15 +99,17 @@ fn stiffness_rows(stiffness: &StiffnessResult) -> Vec<(&'static str, String)> {
         StiffnessSource::Line => "from b0 and b1 as typed",
         StiffnessSource::Coefficients => "as typed",
     };
-    let (a, b, g) = (1e-3 * stiffness.a_n_per_m, 1e-3 * stiffness.b_n_per_m2, 1e-3 * stiffness.g_n);
-    let mut rows = vec![("stiffness", format!("A {a:.1} kN/m, B {b:.0} kN/m², G {g:.2} kN, {whose}"))];
+    let a = quantity(stiffness.a_n_per_m, (1e-3, 1, "kN/m"));
+    let b = quantity(stiffness.b_n_per_m2, (1e-3, 0, "kN/m²"));
+    let g = quantity(stiffness.g_n, (1e-3, 2, "kN"));
+    let mut rows = vec![("stiffness", format!("A {a}, B {b}, G {g}, {whose}"))];
     for test in &stiffness.tests {
         rows.push((
             "test",
             format!(
-                "{}: {:.0} kg, {}, mean residual crush {}, width {}",
+                "{}: {}, {}, mean residual crush {}, width {}",
                 test.name,
-                test.mass_kg,
+                kg(test.mass_kg),
                 km_h(test.impact_speed_m_per_s),
                 mm(test.mean_residual_crush_m),
                 mm(test.width_m)
@@ -119,14 +145,13 @@ fn damage_rows(damage: &VehicleDamage) -> Vec<(&'static str, String)> {
         format!(" ({} times {:.3} for a force at {angle:.1}°)", kj(damage.energy_without_angle_j), damage.angle_factor);
     let energy = format!("{}{}", kj(damage.energy_j), if angle == 0.0 { "" } else { &oblique });
     let interval = damage.energy_interval_j;
-    let interval =
-        interval.map_or(String::new(), |[low, high]| format!(" (95 %: {:.1} to {:.1} kJ)", 1e-3 * low, 1e-3 * high));
+    let interval = interval.map_or(String::new(), |ends| format!(" (95 %: {})", range(ends, ENERGY)));
     let speed =
         with_interval(damage.equivalent_barrier_speed_m_per_s, damage.equivalent_barrier_speed_interval_m_per_s);
     let mut rows = vec![
         ("crush", crush),
         ("energy", format!("{energy}{interval}")),
-        ("EBS", format!("{speed}: the equivalent barrier speed at {:.0} kg", damage.mass_kg)),
+        ("EBS", format!("{speed}: the equivalent barrier speed at {}", kg(damage.mass_kg))),
     ];
     if let Some(interval) = damage.one_vehicle_interval_m_per_s {
         let text = format!("{} holds 95 % of single vehicles like the tests", km_h_range(interval));
@@ -241,7 +266,7 @@ pub(super) fn vehicle_assumptions(name: &str, vehicle: &VehicleResult) -> Vec<St
         NoDamageSpeedSource::Typed => format!("b0 of the {name} is as typed."),
         NoDamageSpeedSource::Run => format!("b0 of the {name} is that of its run (--no-damage-speed of integrate)."),
         NoDamageSpeedSource::Assumed => {
-            format!("b0 of the {name} is 8.0 km/h (5 mph), the usual value where it is not known.")
+            format!("b0 of the {name} is 8.0 km/h, the usual value where it is not known.")
         }
     });
     if vehicle.damage.as_ref().is_some_and(|damage| damage.crush_source == CrushSource::ForceBalance) {

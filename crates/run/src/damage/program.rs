@@ -10,7 +10,7 @@ use crumple_metrics::{
     BarrierTest, CollidedVehicle, DamageSpeed, DamagedVehicle, collision_speed, crush_by_force, damage_speed,
     effective_mass_share,
 };
-use crumple_stage::{ExitStatus, Refused, Usage, keep_budget, printable, refuse_to_overwrite, to_stdout};
+use crumple_stage::{DisplayFlag, ExitStatus, Refused, Usage, keep_budget, printable, refuse_to_overwrite, to_stdout};
 
 use super::lines::{common_assumptions, force_warning, lines, vehicle_assumptions, vehicle_warnings};
 use super::result::{
@@ -88,6 +88,11 @@ pub struct DamageOptions {
     /// Write that object to a file.
     #[arg(short, long, value_name = "FILE.json")]
     output: Option<PathBuf>,
+    /// Print no lines.
+    #[arg(short, long)]
+    quiet: bool,
+    #[command(flatten)]
+    display: DisplayFlag,
 }
 
 /// The second vehicle.
@@ -142,7 +147,14 @@ struct Side<'a> {
 pub(crate) fn damage(options: DamageOptions, words: &[OsString]) -> anyhow::Result<ExitStatus> {
     let runs = [&options.from[..], &options.other.from].concat();
     keep_budget(&runs, ExitStatus::Refused);
+    let display = options.display.or_of(None)?;
     if let Some(output) = &options.output {
+        let is_json = output.extension().is_none_or(|ending| ending.eq_ignore_ascii_case("json"));
+        if !is_json {
+            let problem = format!("{} is to be JSON by its content, and not by its name", output.display());
+            let hint = format!("-o {}; damage writes no page", output.with_extension("json").display());
+            return Err(Usage::new(problem).hint(hint).into());
+        }
         refuse_to_overwrite(output, OutputKind::Summary, &runs)?;
     }
     let result = options.result(words)?;
@@ -150,8 +162,12 @@ pub(crate) fn damage(options: DamageOptions, words: &[OsString]) -> anyhow::Resu
     if let Some(output) = &options.output {
         write(output, &json)?;
     }
-    let text = if options.json { json } else { printable(&(lines(&result).join("\n") + "\n")).into_owned() };
-    to_stdout(text.as_bytes())?;
+    let in_lines = || printable(&(display.during(|| lines(&result)).join("\n") + "\n")).into_owned();
+    match (options.json, options.quiet) {
+        (true, _) => to_stdout(json.as_bytes())?,
+        (false, true) => {}
+        (false, false) => to_stdout(in_lines().as_bytes())?,
+    }
     Ok(ExitStatus::Done)
 }
 

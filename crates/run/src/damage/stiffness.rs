@@ -8,7 +8,7 @@ use crumple_metrics::{
     BarrierTest, CrushStiffness, DamageProfile, ImpactLine, ImpactLineError, NO_DAMAGE_SPEED_M_PER_S,
 };
 use crumple_signal::key_quantities::KM_PER_H_PER_M_PER_S;
-use crumple_stage::{Refused, Usage, program, refuse_a_mixture, results_of_an_earlier_run};
+use crumple_stage::{Refused, Usage, hint_for_a_run, refuse_a_mixture, results_of_an_earlier_run};
 use serde::Serialize;
 
 use super::typed::{Coefficients, Line, TEST};
@@ -222,9 +222,7 @@ impl RunTest {
     fn read(folder: &Path) -> anyhow::Result<Self> {
         let name = folder.display().to_string();
         let refused = |problem: String| {
-            Refused::new(problem)
-                .expected("the folder of a run of a barrier test")
-                .hint(format!("{} RECORD makes one, and says where it is", program("run")))
+            Refused::new(problem).expected("the folder of a run of a barrier test").hint(hint_for_a_run(folder))
         };
         if let Some(problem) = results_of_an_earlier_run(folder) {
             return Err(refused(problem).into());

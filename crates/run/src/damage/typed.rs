@@ -76,7 +76,7 @@ pub(super) fn length(text: &str) -> Result<f64, String> {
 /// A length that a vehicle may have. An example in m would be followed as it stands.
 fn of_a_vehicle(text: &str, length: Result<f64, String>) -> Result<f64, String> {
     let length = length.map_err(|problem| match text.trim().parse::<f64>() {
-        Ok(_) => format!("{text:?} has no unit: write {text}cm, {text}mm or {text}m"),
+        Ok(_) => format!("{text:?} has no unit: write {text}cm, {text}mm, {text}in or {text}m"),
         Err(_) => problem,
     })?;
     if length <= LONGEST_M { Ok(length) } else { Err(format!("{text:?} is {length} m, longer than any vehicle")) }
@@ -125,7 +125,7 @@ pub(super) fn profile(text: &str) -> Result<Profile, String> {
     // No unit of length has a digit.
     let unit = last.rsplit(|c: char| c.is_ascii_digit() || c == '.').next().unwrap_or_default();
     if unit.is_empty() && parts.iter().all(|part| part.parse::<f64>().is_ok()) {
-        return Err(format!("{text:?} has no unit: write {text}cm or {text}mm"));
+        return Err(format!("{text:?} has no unit: write {text}cm, {text}mm or {text}in"));
     }
     let with_unit = |part: &&str| match part.bytes().all(|byte| byte.is_ascii_digit() || b".,+-".contains(&byte)) {
         true => of_a_vehicle(part, not_negative(&format!("{part}{unit}"), LENGTH)),

@@ -91,6 +91,9 @@ fn ended_of<'a>(run: &Run, known: &'a HashMap<(String, String), JournalEntry>) -
     known.get(&(run.folder.clone(), run.key.clone()?))
 }
 
+/// Most records that a line names: what fits beside its counts.
+const NAMED: usize = 5;
+
 fn in_numbers(ended: &[(Run, JournalEntry)], made: usize, missing: usize, started: Instant) -> String {
     let count = |code: fn(i32) -> bool| ended.iter().filter(|(_, ended)| code(ended.exit_code)).count();
     let elapsed = started.elapsed();
@@ -101,6 +104,13 @@ fn in_numbers(ended: &[(Run, JournalEntry)], made: usize, missing: usize, starte
         count(|code| code == 2 || code == 3),
         count(|code| ![0, 2, 3, 4].contains(&code)),
     );
+    let ended_badly = || ended.iter().filter(|(_, ended)| ![0, 4].contains(&ended.exit_code));
+    if ended_badly().next().is_some() {
+        let names: Vec<&str> = ended_badly().map(|(run, _)| run.record.identity.as_str()).take(NAMED).collect();
+        let more = ended_badly().count() - names.len();
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        line.push_str(&format!(" ({}{more}; fleet.html says why)", names.join(", ")));
+    }
     if missing > 0 {
         line.push_str(&format!(", {missing} not run yet"));
     }

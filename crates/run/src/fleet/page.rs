@@ -9,7 +9,7 @@ use crumple_artifact::{Artifact, OutputKind, write_atomically};
 use crumple_report::drawing::{Axis, Colour, Dash, Figure, Link, Look, Panel, Symbol, span};
 use crumple_report::run_numbers::{CRUSH, MASS, OLC, RESTITUTION, SPEED, STIFFNESS, YEAR};
 use crumple_report::words;
-use crumple_report::{FiguresOfRuns, IndexedRun, RunIndex, RunNumber, pulse_line, write_shared_files};
+use crumple_report::{FiguresOfRuns, IndexedRun, RunIndex, RunNumber, Status, pulse_line, write_shared_files};
 use rayon::prelude::*;
 
 use crate::fleet::command::{Options, PAGE_FILES};
@@ -221,6 +221,7 @@ const HEIGHT: f64 = 300.0;
 /// runs, are left out.
 pub(crate) fn scatter(rows: &[Row], (id, y): (&'static str, RunNumber), over: &[RunNumber]) -> Figure {
     let mut figure = Figure::new(id, capitalised(y.name));
+    let unusable = "a run with the status do not use";
     let outlier = "outlier: more than four robust standard deviations off the line; leads to its report";
     let entries = [
         figure.entry("a run", Look::marks(Colour::Series(0), Symbol::Point), true),
@@ -231,11 +232,23 @@ pub(crate) fn scatter(rows: &[Row], (id, y): (&'static str, RunNumber), over: &[
         ),
         figure.entry(outlier, Look::marks(Colour::Series(1), Symbol::Ring), true),
     ];
-    figure.panels = over.iter().filter_map(|x| panel(rows, entries, (*x, y))).collect();
+    // Hollow; without one the legend does not speak of it.
+    let hollow = Look::marks(Colour::Series(0), Symbol::Ring);
+    let unusable = rows.iter().any(is_unusable).then(|| figure.entry(unusable, hollow, true));
+    figure.panels = over.iter().filter_map(|x| panel(rows, (entries, unusable), (*x, y))).collect();
     figure
 }
 
-fn panel(rows: &[Row], [runs, line, _]: [usize; 3], (x, y): (RunNumber, RunNumber)) -> Option<Panel> {
+/// Whether the results of a run are not to be used.
+fn is_unusable(row: &Row) -> bool {
+    row.summary.as_ref().is_some_and(|summary| summary.verdict.status == Some(Status::DoNotUse))
+}
+
+fn panel(
+    rows: &[Row],
+    ([runs, line, _], unusable): ([usize; 3], Option<usize>),
+    (x, y): (RunNumber, RunNumber),
+) -> Option<Panel> {
     let both = |row: &Row| row.summary.as_ref().and_then(|run| Some((x.value(run)?, y.value(run)?)));
     let of_rows: Vec<(&Row, (f64, f64))> = rows.iter().filter_map(|row| Some((row, both(row)?))).collect();
     if of_rows.len() < 2 {
@@ -254,8 +267,11 @@ fn panel(rows: &[Row], [runs, line, _]: [usize; 3], (x, y): (RunNumber, RunNumbe
     let whole = x.unit.is_empty();
     let mut panel =
         Panel { height: HEIGHT, ..Panel::new(Axis { whole, ..Axis::new(x.label()) }, Axis::new(y.label())) };
-    let dots = points.iter().enumerate().filter(|(number, _)| !is_outlier(*number));
-    panel.points(runs, dots.map(|(_, (x, y))| [*x, *y]).collect());
+    for (entry, hollow) in std::iter::once((runs, false)).chain(unusable.map(|entry| (entry, true))) {
+        let dots = of_rows.iter().enumerate().filter(|(number, _)| !is_outlier(*number));
+        let dots = dots.filter(|(_, (row, _))| is_unusable(row) == hollow).map(|(_, (_, (x, y)))| [*x, *y]).collect();
+        panel.points(entry, dots);
+    }
     if let Some((fit, _)) = &fitted {
         let all: Vec<f64> = points.iter().map(|point| point.0).collect();
         let (low, high) = span(&all)?;
@@ -390,11 +406,25 @@ mod tests {
     }
 
     #[test]
+    fn a_run_that_is_not_to_be_used_is_counted_and_a_hollow_dot() {
+        let folder = tempfile::tempdir().unwrap();
+        let found = Summary::from_json(&fs::read(fixture("summary.json")).unwrap()).unwrap();
+        let mut rows: Vec<Row> = (0..20).map(|number| row(number, &found)).collect();
+        rows.iter_mut().filter_map(|row| row.summary.as_mut()).for_each(|of| of.verdict.status = Some(Status::Usable));
+        assert!(!page(folder.path(), &rows).contains("status do not use"));
+        rows[3].summary.as_mut().unwrap().verdict.status = Some(Status::DoNotUse);
+        let html = page(folder.path(), &rows);
+        assert!(html.contains("20 runs: 19 usable, 1 do not use") && html.contains("status do not use"));
+        // What is looked for is in front.
+        assert!(html.find("<section id=\"runs\">") < html.find("<h2>Over mass"));
+    }
+
+    #[test]
     fn a_fleet_without_a_single_result_has_a_page() {
         let folder = tempfile::tempdir().unwrap();
         let found = Summary::from_json(&fs::read(fixture("summary.json")).unwrap()).unwrap();
         let html = page(folder.path(), &[row(49, &found)]);
-        assert!(html.contains("1 run, 0 with a recommended model, 1 without a result") && !html.contains("Distrib"));
+        assert!(html.contains("1 run: 1 without a result") && !html.contains("Distrib"));
         assert!(page(folder.path(), &[]).contains("0 runs"));
     }
 

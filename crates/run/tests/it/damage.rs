@@ -202,12 +202,29 @@ fn runs_of_barrier_tests_give_the_stiffness() {
 }
 
 #[test]
+fn lines_are_in_the_units_of_the_reader_or_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let typed = ["--test", "3100lb,35mph,19in,60in", "--profile", "4,10,15,16,12,5 in", "--width", "60in"];
+    let typed = [&typed[..], &["--mass", "3100lb"]].concat();
+    let us = text(&damage(folder.path(), &[&typed[..], &["--display", "us"]].concat()).stdout);
+    for shown in ["3100 lb, 35.0 mph, mean residual crush 19.0 in, width 60.0 in", "lb/in²", " kip·ft"] {
+        assert!(us.contains(shown), "{shown}: {us}");
+    }
+    assert!(!us.contains("km/h") && !us.contains(" mm") && !us.contains("kN"), "{us}");
+    assert!(text(&damage(folder.path(), &typed).stdout).contains("1406 kg, 56.3 km/h"));
+    let quiet = damage(folder.path(), &[&typed[..], &["-q", "-o", "d.json"]].concat());
+    assert!(quiet.status.success() && quiet.stdout.is_empty() && folder.path().join("d.json").is_file());
+}
+
+#[test]
 fn what_is_typed_wrong_ends_with_code_2_and_a_way_out() {
     let folder = tempfile::tempdir().unwrap();
     let stiffness = ["--stiffness", "55kN/m,400kN/m^2"];
     for (words, said) in [
         (vec!["--angle", "46deg"], "above 45 deg"),
         (vec!["--width", "150"], "has no unit"),
+        (vec!["--profile", "10,20"], "write 10,20cm, 10,20mm or 10,20in"),
+        (vec!["-o", "d.html"], "-o d.json"),
         (vec!["--stiffness", "55kN/m,400"], "400kN/m^2"),
         (vec!["--profile", "10cm"], "expected 2 to 12"),
         (vec!["--line", "2m/s,25/s"], "stated in two ways"),

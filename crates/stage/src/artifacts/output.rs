@@ -139,12 +139,29 @@ pub fn refuse_to_overwrite(output: &Path, kind: OutputKind, inputs: &[PathBuf]) 
     Err(Usage::new(format!("the output {} {problem}", output.display())).hint("give it another name").into())
 }
 
+/// What to name in place of a folder that is no run: those right below it that are, as the pipelines of a record are;
+/// else what makes one.
+pub fn hint_for_a_run(folder: &Path) -> String {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let is_run = |path: &PathBuf| {
+        let mut inside = std::fs::read_dir(path).into_iter().flatten().flatten();
+        inside.any(|entry| entry.file_name().to_string_lossy().ends_with("-ingest.mcap"))
+    };
+    let mut runs: Vec<String> = entries.filter(is_run).map(|path| path.display().to_string()).collect();
+    runs.sort();
+    match runs.as_slice() {
+        [] => format!("{} RECORD makes one, and says where it is", by_way("just run", "crumple run")),
+        [only] => format!("did you mean {only}?"),
+        [first, ..] => format!("name one of its {} runs, such as {first}", runs.len()),
+    }
+}
+
 /// The artifacts of a run folder, in the order of their stages. Refuses a folder without any.
 pub fn artifacts_of_a_run(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let refused = |problem: String| {
         Refused::new(problem)
             .expected("the folder of a run, with 1-ingest.mcap and what was made from it")
-            .hint(format!("{} RECORD makes one, and says where it is", by_way("just run", "crumple run")))
+            .hint(hint_for_a_run(folder))
     };
     let cannot = |error: std::io::Error| refused(format!("cannot read the folder {}: {error}", folder.display()));
     let mut artifacts = Vec::new();

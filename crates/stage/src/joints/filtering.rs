@@ -7,7 +7,7 @@ use crate::joints::curves::{Running, Ways, delay_s, end_of, mean_and_deviation, 
 use crate::joints::{Finding, Invariant, RunParts, pulse_of, record};
 
 /// Rows of the stage.
-pub(crate) static ROWS: [Invariant; 9] = [
+pub(crate) static ROWS: [Invariant; 10] = [
     Invariant {
         kind: Kind {
             code: "CR201",
@@ -129,7 +129,7 @@ pub(crate) static ROWS: [Invariant; 9] = [
                  most, without the zero level that the filter took out; 2 % of that displacement is left, and what \
                  three deviations of the zero level add. A moving average over w moves it by w²/24 times the \
                  deceleration: 1.1 % of 0.7 m at 20 g for 30 ms, 3 % for 50 ms. The classes of SAE J211 stay below \
-                 0.1 %. Not asked where CR203, CR204 or CR207 is.",
+                 0.1 %. Not asked where CR203, CR204, CR207 or CR226 is.",
                 "The crush, its time and every model are those of a longer pulse.",
                 "filter less in the program of the stage filter: class CFC 60 for the motion of a vehicle",
             ],
@@ -151,6 +151,22 @@ pub(crate) static ROWS: [Invariant; 9] = [
         },
         ends_the_run: true,
         find: is_gone,
+    },
+    Invariant {
+        kind: Kind {
+            code: "CR226",
+            weight: Weight::Decisive,
+            explanation: [
+                "The class of the filter is too low for the record, or the record begins inside its shock.",
+                "What CR203, CR204 and CR207 ask of a program from elsewhere, asked of the filter of Crumple: it takes \
+                 as much off a shock that lasts a few of its periods (CFC 60 passes 100 Hz), and what a record lacks \
+                 before its shock.",
+                "Change of velocity, peak and crush are not those of the record.",
+                "filter less, such as --set filter.cfc=1000, or give the record from before the shock",
+            ],
+        },
+        ends_the_run: false,
+        find: loses_the_shock,
     },
 ];
 
@@ -219,6 +235,16 @@ fn ends_elsewhere(parts: &RunParts<'_>) -> Vec<Finding> {
 const DELAY_S: f64 = 1e-3;
 
 fn is_late(parts: &RunParts<'_>) -> Vec<Finding> {
+    if is_built_in(parts) { Vec::new() } else { delayed(parts) }
+}
+
+/// Whether the filter of Crumple wrote the filtered pulse, and no other program has put it together since.
+fn is_built_in(parts: &RunParts<'_>) -> bool {
+    let provenance = parts.of("filter").and_then(crumple_artifact::Artifact::provenance);
+    provenance.is_some_and(|written| !written.build.is_empty() && written.made_by.is_empty())
+}
+
+fn delayed(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some(pulse) = Pulse::of(parts) else { return Vec::new() };
     if Changes::of(parts).is_none_or(|changes| changes.differ()) {
         return Vec::new();
@@ -232,12 +258,30 @@ fn is_late(parts: &RunParts<'_>) -> Vec<Finding> {
     finding(About::Pulse, vec![("delay_s", delay_s)], text)
 }
 
+/// The highest class of SAE J211-1.
+const HIGHEST_CLASS: u16 = 1000;
+
+fn loses_the_shock(parts: &RunParts<'_>) -> Vec<Finding> {
+    if !is_built_in(parts) {
+        return Vec::new();
+    }
+    let changed = Changes::of(parts).filter(Changes::differ).map_or_else(Vec::new, |changes| changes.finding());
+    let found = if changed.is_empty() { delayed(parts) } else { changed };
+    let why = "the shock is too short for the class of the filter, or the record begins inside it";
+    let with_cause = |mut one: Finding| {
+        one.text = format!("{}: {why}; --set filter.cfc={HIGHEST_CLASS} filters least", one.text);
+        one.values.push(("highest_class", f64::from(HIGHEST_CLASS)));
+        one
+    };
+    found.into_iter().map(with_cause).collect()
+}
+
 /// Share of the largest displacement that a filter may move the vehicle by: what the speed of a test is known to.
 const WAY: f64 = 0.02;
 
 fn moves_the_vehicle(parts: &RunParts<'_>) -> Vec<Finding> {
     let Some(pulse) = Pulse::of(parts) else { return Vec::new() };
-    if Changes::of(parts).is_none_or(|changes| changes.differ()) || !is_late(parts).is_empty() {
+    if Changes::of(parts).is_none_or(|changes| changes.differ()) || !delayed(parts).is_empty() {
         return Vec::new();
     }
     let Some(speed) = pulse.impact_speed_m_per_s.filter(|speed| *speed > 0.0) else { return Vec::new() };
@@ -328,11 +372,13 @@ impl Changes {
 }
 
 fn changes_sign_or_unit(parts: &RunParts<'_>) -> Vec<Finding> {
-    Changes::of(parts).filter(|c| c.differ() && c.are_others()).map_or_else(Vec::new, |c| c.finding())
+    let changes = Changes::of(parts).filter(|_| !is_built_in(parts));
+    changes.filter(|c| c.differ() && c.are_others()).map_or_else(Vec::new, |c| c.finding())
 }
 
 fn changes_the_velocity(parts: &RunParts<'_>) -> Vec<Finding> {
-    Changes::of(parts).filter(|c| c.differ() && !c.are_others()).map_or_else(Vec::new, |c| c.finding())
+    let changes = Changes::of(parts).filter(|_| !is_built_in(parts));
+    changes.filter(|c| c.differ() && !c.are_others()).map_or_else(Vec::new, |c| c.finding())
 }
 
 /// The test before and after the filter.

@@ -195,6 +195,15 @@ fn a_run_folder_holds_its_artifacts_in_the_order_of_the_stages() {
     let folder = tempfile::tempdir().unwrap();
     let refused = artifacts_of_a_run(folder.path()).unwrap_err().to_string();
     assert!(refused.ends_with("holds no artifact"), "{refused}");
+    let hint = || crumple_stage::hint_for_a_run(folder.path());
+    assert!(hint().contains("RECORD makes one"), "{}", hint());
+    for (pipeline, expected) in [("default", "did you mean "), ("papers", "name one of its 2 runs, such as ")] {
+        let below = folder.path().join(pipeline);
+        std::fs::create_dir(&below).unwrap();
+        std::fs::write(below.join("1-ingest.mcap"), "").unwrap();
+        let first = folder.path().join("default").display().to_string();
+        assert!(hint().starts_with(&format!("{expected}{first}")), "{}", hint());
+    }
     for name in ["3-integrate.mcap", "1-ingest.mcap", ".2-filter.mcap", "report.html"] {
         std::fs::write(folder.path().join(name), "").unwrap();
     }

@@ -300,6 +300,29 @@ fn the_stages_of_the_project_contradict_nothing() {
     }
 }
 
+/// A shock of 2 ms that begins with the record, and CFC 60: the filter is not called a program from elsewhere.
+#[test]
+fn a_shock_too_short_for_its_class_is_a_warning_that_names_another_class() {
+    let folder = tempfile::tempdir().unwrap();
+    let shock = |t: f64| if t < 2e-3 { -100.0 * (std::f64::consts::PI * t / 2e-3).sin() } else { 0.0 };
+    let rows: String = (0..2000).map(|k| 5e-5 * f64::from(k)).map(|t| format!("{t:.5},{:.4}\n", shock(t))).collect();
+    let record = folder.path().join("shock.csv");
+    std::fs::write(&record, format!("time [s],acceleration [g]\n{rows}")).unwrap();
+    for (cfc, expected) in [("60", true), ("1000", false)] {
+        let out = folder.path().join(cfc);
+        let mut run = Command::new(binary("crumple"));
+        run.arg("run").arg(&record).arg("-q").args(["--set", &format!("filter.cfc={cfc}"), "--out"]).arg(&out);
+        let ended = run.arg("--project").arg(workspace()).output().unwrap();
+        let said = String::from_utf8_lossy(&ended.stderr);
+        assert_ne!(ended.status.code(), Some(3), "{said}");
+        let summary: Value = serde_json::from_str(&std::fs::read_to_string(out.join("summary.json")).unwrap()).unwrap();
+        let found = contradictions(&summary);
+        let codes: Vec<&str> = found.iter().filter_map(|remark| remark["code"].as_str()).collect();
+        assert_eq!(codes, if expected { vec!["CR226"] } else { Vec::new() }, "CFC {cfc}: {said}");
+        assert!(found.iter().all(|remark| remark["remedy"].as_str().unwrap().contains("--set filter.cfc=1000")));
+    }
+}
+
 /// The remarks of a summary that say what contradicts, in their order.
 fn contradictions(summary: &Value) -> Vec<Value> {
     let is_one = |remark: &&Value| crumple_stage::joints::invariants().any(|row| remark["code"] == row.kind.code);

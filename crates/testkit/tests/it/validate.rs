@@ -78,6 +78,100 @@ fn records_with_flags_are_run_and_the_faulty_part_of_the_curve_is_named() {
     assert!(text.contains("against"), "{text}");
 }
 
+/// A test and the folders of as many simulations, in a folder of their own.
+fn records(test: &str, simulations: &[&str]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("crash.csv"), test).unwrap();
+    let set = simulated::faulty_simulation().unwrap();
+    for name in simulations {
+        fs::create_dir(folder.path().join(name)).unwrap();
+        fs::write(folder.path().join(name).join("binout0000"), &set.binout).unwrap();
+    }
+    folder
+}
+
+const OF_SIMULATION: [&str; 4] = ["--units", "mm-ms-kg", "--node", "rear sill"];
+
+#[test]
+fn a_wrong_order_is_refused_with_the_right_one() {
+    let folder = records(&simulated::faulty_simulation().unwrap().test, &["H1"]);
+    let folder = folder.path();
+    // Without --validate a record is no run.
+    let output = crumple(folder, &["compare", "crash.csv", "H1"]);
+    assert!(output.status.code() == Some(2) && said(&output).contains("add --validate"), "{}", said(&output));
+    let output = crumple(folder, &[&["compare", "H1", "crash.csv", "--validate"][..], &OF_SIMULATION].concat());
+    let hint = "crumple compare runs/crash/default runs/H1/default --validate";
+    assert!(output.status.code() == Some(2) && said(&output).contains(hint), "{}", said(&output));
+    let [test, simulation] = ["runs/crash/default", "runs/H1/default"];
+    for (order, expected) in [
+        (vec![test, simulation, "crash.csv"], "stands in front of a test"),
+        (vec![simulation, simulation], "none is a test"),
+    ] {
+        let output = crumple(folder, &[&["compare"], &order[..], &["--validate"]].concat());
+        assert!(output.status.code() == Some(2) && said(&output).contains(expected), "{}", said(&output));
+    }
+}
+
+#[test]
+fn a_pulse_of_the_engine_is_not_compared_and_what_is_missing_is_named() {
+    let set = simulated::faulty_simulation().unwrap();
+    let folder = records(&set.test.replace("accel (", "engine accel ("), &["H1"]);
+    let words = ["compare", "crash.csv", "H1", "--validate", "--json=v.json", "--require", "crush<=20m"];
+    let output = crumple(folder.path(), &[&words[..], &OF_SIMULATION].concat());
+    let text = said(&output);
+    assert!(output.status.code() == Some(1) && text.contains("crush is not known, so that it does not hold"), "{text}");
+    let found = json(folder.path());
+    let first = found["sentences"][0].as_str().unwrap();
+    assert!(first.starts_with("Not compared: in ") && first.contains("it sits elsewhere (engine)"), "{found}");
+    assert!(found["sentences"].as_array().unwrap().len() == 2 && found["differences"][0].is_null(), "{found}");
+    let output = crumple(folder.path(), &[&words[..5], &OF_SIMULATION].concat());
+    assert_eq!(output.status.code(), Some(4), "{}", said(&output));
+    // Mass and speed of the simulation are a hint where the test states none.
+    let bare: String = set.test.lines().filter(|line| !line.starts_with('#')).map(|line| format!("{line}\n")).collect();
+    let folder = records(&bare, &["H1"]);
+    let output = crumple(folder.path(), &[&words[..4], &OF_SIMULATION].concat());
+    let hint = "add --mass 1240kg --impact-speed 14m/s";
+    assert!(output.status.code() == Some(4) && said(&output).contains(hint), "{}", said(&output));
+}
+
+#[test]
+fn several_simulations_have_a_headline_each() {
+    let folder = records(&simulated::faulty_simulation().unwrap().test, &["H1", "H2"]);
+    let words = ["compare", "crash.csv", "H1", "H2", "--validate", "-o", "v.html", "--markdown", "v.md"];
+    let output = crumple(folder.path(), &[&words[..], &OF_SIMULATION].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    let [page, markdown] = ["v.html", "v.md"].map(|name| fs::read_to_string(folder.path().join(name)).unwrap());
+    assert_eq!(page.matches("<section class=\"verdict\"").count(), 2);
+    for name in ["H1", "H2"] {
+        assert!(markdown.contains(&format!("**{name}: The simulation is softer")), "{markdown}");
+        assert!(page.contains(&format!("{name}, internal")), "legend of the energies");
+    }
+    assert_eq!(markdown.matches("\n- Its front is too soft").count(), 2, "{markdown}");
+    // Each with its own flags.
+    let output = crumple(folder.path(), &["compare", "crash.csv", "H1", "H2", "--validate", "--units", "mm-s-t"]);
+    let text = said(&output);
+    assert!(output.status.code() == Some(3) && text.contains("crumple run H2 --units SYSTEM --node ID"), "{text}");
+}
+
+#[test]
+fn an_interval_too_wide_for_equal_decides_nothing() {
+    let Some(set) = shared("reference/simulation/s2-middle-of-the-front-too-stiff") else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let [test, simulation] = ["test.csv", ""].map(|name| set.join(name).display().to_string());
+    let of_test = ["--mass", "1500kg", "--impact-speed", "56km/h"];
+    let flags = ["--units", "mm-s-t", "--node", "1000001", "--json=v.json"];
+    let words = ["compare", &test, &simulation, "--validate"];
+    let output = crumple(folder.path(), &[&words[..], &of_test, &flags].concat());
+    let text = said(&output);
+    assert!(text.starts_with("Undecided: the 90 % interval of the difference is"), "{text}");
+    assert!(text.contains("add --time-zero 0s"), "{text}");
+    assert_eq!(json(folder.path())["decision"], "undecided");
+    // What the sentence names decides.
+    let output = crumple(folder.path(), &[&words[..], &of_test, &flags, &["--time-zero", "0s"]].concat());
+    assert!(said(&output).starts_with("The simulation is stiffer than the test"), "{}", said(&output));
+    assert_eq!(json(folder.path())["decision"], "stiffer");
+}
+
 /// The test of a set with its wall and engine, as one table.
 fn test_of(set: &Path) -> String {
     let [felt, more] = ["test.csv", "test-wall-and-engine.csv"].map(|name| fs::read_to_string(set.join(name)).unwrap());

@@ -144,6 +144,14 @@ fn units(
     };
     let system = units.system().map_or_else(|| "of its own".to_owned(), |system| system.to_string());
     let (from, words) = (from.to_owned(), evidence.words(units));
+    // A flag that is wrong, where mass and speed tell which one is right.
+    let is_told = evidence.speed.is_some() && evidence.mass.is_some();
+    if stated.is_some() && is_told && !fitting.is_empty() && !evidence.is_car(units) && !settings.listing {
+        let found = format!("{system} by --units give {words}, which is no crash of a car");
+        let expected = "mass, speed and duration of a crash of a car";
+        let error = IngestError::units(file, found, expected, &names.join(" or "));
+        return Err(error.asking(Question::Units(fitting.first().map(|system| system.name()))));
+    }
     if evidence.is_car(units) {
         notes.push(UnitsOfModel { system, from, words });
     } else {

@@ -26,7 +26,8 @@ remarks! {
     /// In these units the simulation is not that of a car.
     CR172 UnitsDoubted { system: String, from: String, words: String, fitting: String }
     bears on (About::Record, Weight::Decisive)
-    decided "A crash of a car lasts 30 to 500 ms, from 3 to 30 m/s, with 600 to 3500 kg."
+    decided "A crash of a car lasts 30 to 500 ms, from 3 to 30 m/s, with 600 to 3500 kg. Where --units is not of a car \
+             and another system is, the file is refused instead."
     means "Crush, force and energy are wrong by large factors if the system is wrong."
     remedy "check the units of the model; --units states another system"
     says format!("units {system} by {from} give {words}, which is no crash of a car; {fitting}");
