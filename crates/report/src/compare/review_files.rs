@@ -542,8 +542,8 @@ mod tests {
         let found = || review(&peak(60, 175.0, &[1e5]), &peak(180, 180.0, &[1e5]));
         let compared = [reviewed("rigid", found(), "3-integrate.mcap")];
         let text = to_junit(&compared);
-        assert!(text.contains("tests=\"3\" failures=\"1\" errors=\"0\""), "{text}");
-        assert_eq!((text.matches("<testcase").count(), text.matches("<failure").count()), (3, 1));
+        assert!(text.contains("tests=\"4\" failures=\"1\" errors=\"0\""), "{text}");
+        assert_eq!((text.matches("<testcase").count(), text.matches("<failure").count()), (4, 1));
         let mut noted = found();
         noted.causes[0].place = Some(("pipelines/default.toml".into(), 12));
         let line = to_github(&[reviewed("a,b:c\nd", noted, "")]);

@@ -8,6 +8,7 @@ use super::checks::{Check, Outcome};
 use super::requirements::{Requirement, shown};
 use super::segments::Segment;
 use super::validation::{Side, Validation};
+use super::verdict::Difference;
 use crate::ComparedRun;
 use crate::compare::document::{RATING, Section};
 use crate::compare::numbers::row;
@@ -237,7 +238,7 @@ pub fn to_json(all: &[Validation]) -> Value {
             "name": one.name,
             "test": one.test,
             "sentences": one.verdict.sentences(),
-            "decision": one.verdict.crush.as_ref().map(|crush| crush.decision()),
+            "decision": one.verdict.crush.as_ref().map(Difference::decision),
             "verdict": one.verdict,
             "differences": one.differences,
             "segments": {"wall": one.wall, "engine": one.front, "deceleration": one.deceleration},

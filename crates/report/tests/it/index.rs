@@ -208,9 +208,9 @@ fn heads_sort_by_key_and_a_telephone_scrolls_the_table_alone() {
     }
     assert!(index(folder.path(), &["runs/0", "runs/1", "runs/2", "runs/3"]).status.success());
     let script = "
-        const head = document.querySelectorAll('.index thead th')[3];
+        const head = document.querySelectorAll('.index thead th')[4];
         const button = head.querySelector('button');
-        const masses = () => [...document.querySelectorAll('.index tbody tr')].map((r) => r.cells[3].textContent);
+        const masses = () => [...document.querySelectorAll('.index tbody tr')].map((r) => r.cells[4].textContent);
         button.focus();
         const seen = () => [masses(), head.getAttribute('aria-sort')];";
     for screen in [Screen::PHONE, Screen::DESK] {

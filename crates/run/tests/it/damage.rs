@@ -274,7 +274,7 @@ fn a_hint_holds_what_was_typed_and_works() {
         assert!(followed.status.success(), "{hint}: {}", text(&followed.stderr));
     }
     for (wrong, right) in [
-        (["--width", "1.5"], "write 1.5cm, 1.5mm or 1.5m"),
+        (["--width", "1.5"], "write 1.5cm, 1.5mm, 1.5in or 1.5m"),
         (["--angle", "20"], "write 20deg"),
         (["--profile", "10,25,30"], "write 10,25,30cm"),
         (["--stiffness", "61kN/m,500"], "write 61kN/m,500kN/m^2"),
