@@ -397,6 +397,7 @@ ci-full:
     just page
     CRUMPLE_PAGE=target/page/crumple.html cargo nextest run --workspace -E 'package(crumple-testkit) & test(/^page::/)'
     just python-test
+    just instructions
     RAYON_NUM_THREADS=1 just bytes target/bytes-1.txt
     RAYON_NUM_THREADS=4 just bytes target/bytes-4.txt
     just bytes --compare target/bytes-1.txt target/bytes-4.txt
