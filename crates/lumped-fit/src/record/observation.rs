@@ -65,8 +65,8 @@ pub struct ObservedWave {
     pub(crate) work: Work,
 }
 
-/// Work that one fit of a model may cost, in samples of a wave. A sample takes some 10 ns, so 2.5 s of one processor. On
-/// three fixtures, a car and a record of a sled all fits take less than a hundredth of it but those of the nonlinear
+/// Work that one fit of a model may cost, in samples of a wave. A sample takes some 10 ns, so 2.5 s of one processor.
+/// On three fixtures, a car and a record of a sled all fits take less than a hundredth of it but those of the nonlinear
 /// models and of a force-deflection curve.
 pub(crate) const MOST_WORK: u64 = 250_000_000;
 

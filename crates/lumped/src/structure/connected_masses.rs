@@ -191,7 +191,8 @@ impl Structure {
     }
 
     /// Names of the forces of an element: its symbols, with the number of the rear mass where there are several, and
-    /// that of the node in front where it is not the one before.
+    /// that of the node in front where it is not the one before. The second of a symbol between the same nodes ends with
+    /// `.2`, as in `k2.2`.
     pub(crate) fn force_names(&self, connection: usize) -> Vec<String> {
         let [front, rear] = self.nodes[connection].map(|node| if node == self.masses_kg.len() { 0 } else { node + 1 });
         let ends = match self.masses_kg.len() {
@@ -200,7 +201,15 @@ impl Structure {
             _ => format!("{front}-{rear}"),
         };
         let symbols = self.connections[connection].element.law().symbols();
-        symbols.chars().map(|symbol| format!("{symbol}{ends}")).collect()
+        let beside = || (0..connection).filter(|other| self.nodes[*other] == self.nodes[connection]);
+        let name = |symbol: char| {
+            let symbols_of = |other: usize| self.connections[other].element.law().symbols();
+            match beside().filter(|other| symbols_of(*other).contains(symbol)).count() {
+                0 => format!("{symbol}{ends}"),
+                before => format!("{symbol}{ends}.{}", before + 1),
+            }
+        };
+        symbols.chars().map(name).collect()
     }
 }
 

@@ -41,6 +41,21 @@ fn cost(structure: &Structure) -> Duration {
     (0..20).map(time).min().unwrap()
 }
 
+#[test]
+fn elements_side_by_side_have_forces_of_their_own() {
+    let parts = [("wall", "car", "k*x", ""), ("wall", "car", "c*v", "")];
+    let values = [("k", 6e5), ("c", 2e4)];
+    let drive = Drive::Impact(V0);
+    let apart = own(&ONE, &parts, &values).dynamics(&drive, 1e-4, 800).unwrap();
+    let names: Vec<&str> = apart.forces.iter().map(|force| force.name.as_str()).collect();
+    assert_eq!(names, ["k", "k.2"]);
+    let whole = own(&ONE, &[wall("k*x + c*v")], &values).dynamics(&drive, 1e-4, 800).unwrap();
+    for k in 0..800 {
+        let sum = apart.forces[0].force_n[k] + apart.forces[1].force_n[k];
+        assert!((sum - whole.forces[0].force_n[k]).abs() < 1e-9 * 6e5, "{k}");
+    }
+}
+
 /// The curve of a structure: knots at 0.2 and 0.4 m, straight beyond.
 const CURVE: &str = "a*min(x, 0.2) + b*max(min(x, 0.4) - 0.2, 0) + c*max(x - 0.4, 0)";
 

@@ -52,6 +52,9 @@ pub fn plan(options: PlanOptions) -> anyhow::Result<ExitStatus> {
     let choice: Option<RecommendationV1> = input.record_if("/recommendation")?;
     let all: Vec<Candidate> = candidates(&records, choice.as_ref());
     let asked: Vec<String> = options.candidate.iter().cloned().collect();
+    if asked.is_empty() && choice.as_ref().is_some_and(|choice| choice.recommended.is_none()) {
+        return Err(Refused::new("the run recommends no model").hint("--candidate ID names one").into());
+    }
     let place = named(&all, &records, choice.as_ref(), &asked)?.first().map(|named| named.place);
     let place = place.ok_or_else(|| Refused::new("the run recommends no model").hint("--candidate ID names one"))?;
     let test =
@@ -87,7 +90,7 @@ pub fn plan(options: PlanOptions) -> anyhow::Result<ExitStatus> {
     let mut rows: Vec<(SecondTest, f64)> =
         second.into_iter().zip(widths).filter_map(|(test, width)| Some((test, width?))).collect();
     rows.sort_by(|a, b| a.1.total_cmp(&b.1));
-    to_stdout(text(&all[place].id, wanted_m_per_s, now_m, &rows).as_bytes())?;
+    to_stdout(text(&all[place].id, (wanted_m_per_s, test.range_m_per_s.1), now_m, &rows).as_bytes())?;
     Ok(ExitStatus::Done)
 }
 
@@ -112,7 +115,7 @@ fn files(run: &Path) -> Result<Vec<PathBuf>, Usage> {
     Ok(vec![file("3-integrate.mcap")?, file("5-parameter-solve.mcap")?])
 }
 
-fn text(id: &str, wanted_m_per_s: f64, now_m: f64, rows: &[(SecondTest, f64)]) -> String {
+fn text(id: &str, (wanted_m_per_s, tested_m_per_s): (f64, f64), now_m: f64, rows: &[(SecondTest, f64)]) -> String {
     let mut text = format!(
         "The 90 % interval of the crush at {:.0} km/h is {:.0} mm wide ({id}).\n\
          Expected after a second test:\n",
@@ -130,5 +133,10 @@ fn text(id: &str, wanted_m_per_s: f64, now_m: f64, rows: &[(SecondTest, f64)]) -
             100.0 * (width_m / now_m - 1.0)
         );
     }
+    if wanted_m_per_s > tested_m_per_s * (1.0 + 1e-9) {
+        let _infallible =
+            writeln!(text, "The model extrapolates: no test was faster than {:.0} km/h.", 3.6 * tested_m_per_s);
+    }
+    text.push_str("All widths hold if this model is right; nobody has compared them with tests that were made.\n");
     text
 }

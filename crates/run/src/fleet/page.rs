@@ -234,10 +234,15 @@ pub(crate) fn scatter(rows: &[Row], (id, y): (&'static str, RunNumber), over: &[
     ];
     // Hollow; without one the legend does not speak of it.
     let hollow = Look::marks(Colour::Series(0), Symbol::Ring);
-    let unusable = rows.iter().any(is_unusable).then(|| figure.entry(unusable, hollow, true));
+    let is_shown = (1..=HOLLOW).contains(&rows.iter().filter(|row| is_unusable(row)).count());
+    let unusable = is_shown.then(|| figure.entry(unusable, hollow, true));
     figure.panels = over.iter().filter_map(|x| panel(rows, (entries, unusable), (*x, y))).collect();
     figure
 }
+
+/// Hollow dots of a figure at most: each is as long as three dots, and a page of 500 runs stays below half a megabyte. Of
+/// more the table and the count above it tell.
+const HOLLOW: usize = 50;
 
 /// Whether the results of a run are not to be used.
 fn is_unusable(row: &Row) -> bool {
@@ -269,7 +274,10 @@ fn panel(
         Panel { height: HEIGHT, ..Panel::new(Axis { whole, ..Axis::new(x.label()) }, Axis::new(y.label())) };
     for (entry, hollow) in std::iter::once((runs, false)).chain(unusable.map(|entry| (entry, true))) {
         let dots = of_rows.iter().enumerate().filter(|(number, _)| !is_outlier(*number));
-        let dots = dots.filter(|(_, (row, _))| is_unusable(row) == hollow).map(|(_, (_, (x, y)))| [*x, *y]).collect();
+        let dots = dots
+            .filter(|(_, (row, _))| (unusable.is_some() && is_unusable(row)) == hollow)
+            .map(|(_, (_, (x, y)))| [*x, *y])
+            .collect();
         panel.points(entry, dots);
     }
     if let Some((fit, _)) = &fitted {

@@ -16,9 +16,6 @@ pub struct CandidateV1 {
     pub method: String,
     /// Parameters by name with unit, e.g. `stiffness_n_per_m`.
     pub parameters: BTreeMap<String, f64>,
-    /// Text of the law of an own model, from which its motion is computed again; `null` of any other model.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub law: Option<String>,
     /// Whether every parameter is positive and so a passive structure.
     pub physical: bool,
     /// Id of a candidate that gives exactly the same record on this sensor.
@@ -37,6 +34,9 @@ pub struct CandidateV1 {
     /// second of two duals, and where the fit stopped on a bound other than zero, so that the poles are the bound's.
     #[serde(default)]
     pub mass_divisions: Option<MassDivisionsV1>,
+    /// Text of the law of an own model, from which its motion is computed again; `null` of any other model.
+    #[serde(default)]
+    pub law: Option<String>,
 }
 
 /// Real parameter sets of the double model with the poles of a fitted one, over the division of its total mass.

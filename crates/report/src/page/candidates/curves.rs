@@ -70,8 +70,8 @@ pub(super) fn write(out: &mut String, run: &Run, ranking: &Ranking) {
         String::new()
     };
     out.push_str(&caption(&format!(
-        "{together}Highlighted is the chosen model. A bar is a 95 % interval between a tenth and ten times the value; it \
-         fades where it goes on or is open."
+        "{together}Highlighted is the chosen model. A bar is a 95 % interval between a tenth and ten times the value; \
+         it fades where it goes on or is open."
     )));
     out.push_str("</details>\n");
 }
