@@ -1,5 +1,5 @@
-//! A line through points, drawn with fewer of them: of a pixel's columns the extremes, and no point that a straight line
-//! replaces.
+//! A line through points, drawn with fewer of them: of a pixel's columns the extremes, and no point that a straight
+//! line replaces.
 
 /// Columns a unit of width: two of a display's pixels on most displays, and room to zoom.
 const COLUMNS: f64 = 2.0;

@@ -191,8 +191,8 @@ impl Structure {
     }
 
     /// Names of the forces of an element: its symbols, with the number of the rear mass where there are several, and
-    /// that of the node in front where it is not the one before. The second of a symbol between the same nodes ends with
-    /// `.2`, as in `k2.2`.
+    /// that of the node in front where it is not the one before. The second of a symbol between the same nodes ends
+    /// with `.2`, as in `k2.2`.
     pub(crate) fn force_names(&self, connection: usize) -> Vec<String> {
         let [front, rear] = self.nodes[connection].map(|node| if node == self.masses_kg.len() { 0 } else { node + 1 });
         let ends = match self.masses_kg.len() {

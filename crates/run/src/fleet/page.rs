@@ -240,8 +240,8 @@ pub(crate) fn scatter(rows: &[Row], (id, y): (&'static str, RunNumber), over: &[
     figure
 }
 
-/// Hollow dots of a figure at most: each is as long as three dots, and a page of 500 runs stays below half a megabyte. Of
-/// more the table and the count above it tell.
+/// Hollow dots of a figure at most: each is as long as three dots, and a page of 500 runs stays below half a megabyte.
+/// Of more the table and the count above it tell.
 const HOLLOW: usize = 50;
 
 /// Whether the results of a run are not to be used.
