@@ -140,3 +140,19 @@ fn text(id: &str, (wanted_m_per_s, tested_m_per_s): (f64, f64), now_m: f64, rows
     text.push_str("All widths hold if this model is right; nobody has compared them with tests that were made.\n");
     text
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_widths_are_printed_as_they_are_and_what_is_beyond_the_tests_is_said() {
+        let test = SecondTest { speed_m_per_s: 50.0 / 3.6, mass_kg: Some(1500.0), sees_every_mass: true };
+        let said = |wanted_km_per_h: f64| text("kelvin/1", (wanted_km_per_h / 3.6, 56.0 / 3.6), 0.08, &[(test, 0.06)]);
+        let within = said(56.0);
+        assert!(within.starts_with("The 90 % interval of the crush at 56 km/h is 80 mm wide (kelvin/1)."), "{within}");
+        assert!(within.contains("50 km/h, 1500 kg, a sensor on each mass: 60 mm (-25 %)"), "{within}");
+        assert!(!within.contains("extrapolates"), "{within}");
+        assert!(said(57.0).contains("The model extrapolates: no test was faster than 56 km/h."));
+    }
+}
